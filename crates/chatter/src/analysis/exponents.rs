@@ -5,9 +5,7 @@
 //! What complete chatter, contact or sticking forgets has no exponent: it is minus infinity.
 
 use crate::analysis::periodic::PeriodicError;
-use crate::flow::{
-    Column, FORGOTTEN, NoDerivative, Occurrence, System, Trajectory, Workspace, may_forget,
-};
+use crate::flow::{Column, FORGOTTEN, NoDerivative, Occurrence, System, Trajectory, may_forget};
 use crate::model::Model;
 use crate::numerics::{Matrix, balance, unit};
 use core::ops::ControlFlow;
@@ -90,7 +88,7 @@ pub fn exponents(
         if interval % 8 == 0 && observer(interval as f64 / total as f64).is_break() {
             break;
         }
-        put(&frame, &units, (&system, &mut work, &mut trajectory))?;
+        put(&frame, &units, (&system, &mut trajectory))?;
         trajectory.set_horizon(begin + spec.interval * (interval + 1) as f64);
         let mut steps = 0;
         let mut logarithms = vec![0.0; moving.len()];
@@ -124,7 +122,7 @@ pub fn exponents(
                 if is_over {
                     break;
                 }
-                put(&frame, &units, (&system, &mut work, &mut trajectory))?;
+                put(&frame, &units, (&system, &mut trajectory))?;
                 forgets = trajectory.is_held(&system);
             } else if are_natural && trajectory.is_between_steps() {
                 let mut ahead = frame.clone();
@@ -136,7 +134,7 @@ pub fn exponents(
                 if is_due && !trajectory.has_caused_more(&system, &mut work) {
                     frame = ahead;
                     add(&mut logarithms, &grown);
-                    put(&frame, &units, (&system, &mut work, &mut trajectory))?;
+                    put(&frame, &units, (&system, &mut trajectory))?;
                     forgets = trajectory.is_held(&system);
                 }
             }
@@ -182,12 +180,12 @@ fn no_derivative(model: &Model, why: NoDerivative) -> PeriodicError {
 fn put(
     frame: &[Vec<f64>],
     units: &[f64],
-    (system, work, trajectory): (&System, &mut Workspace<f64>, &mut Trajectory<f64>),
+    (system, trajectory): (&System, &mut Trajectory<f64>),
 ) -> Result<(), PeriodicError> {
     let columns: Vec<f64> = (frame.iter())
         .flat_map(|displacement| displacement.iter().zip(units).map(|(y, unit)| y * unit))
         .collect();
-    (trajectory.replace_columns(system, work, &columns)).map_err(PeriodicError::Ended)
+    (trajectory.replace_columns(system, &columns)).map_err(PeriodicError::Ended)
 }
 
 /// Takes them from there.

@@ -15,8 +15,10 @@ pub(crate) struct Touches {
     /// Per contact: the state after a collision there, columns of derivatives by the derivative of the map alone, without
     /// the shift of its time.
     collisions: Vec<Tape>,
-    /// The derivative of each gap along each column, contact by contact.
+    /// The derivatives of each gap, then of its rate, along each column, contact by contact.
     slopes: Tape,
+    /// What the impulse of each contact does to the field.
+    drifts: Tape,
     /// Per contact with friction: what an impact there does along it.
     slidings: Vec<Option<Tape>>,
     graph: Graph,
@@ -34,6 +36,7 @@ pub(crate) struct TouchConstants<R> {
     values: Vec<R>,
     collisions: Vec<Vec<R>>,
     slopes: Vec<R>,
+    drifts: Vec<R>,
     slidings: Vec<Vec<R>>,
 }
 
@@ -43,7 +46,7 @@ impl<R> TouchConstants<R> {
         touches: &'a Touches,
     ) -> impl Iterator<Item = &'a mut Vec<R>> + 'a {
         let slidings = self.slidings.iter_mut().zip(&touches.slidings);
-        [&mut self.values, &mut self.slopes]
+        [&mut self.values, &mut self.slopes, &mut self.drifts]
             .into_iter()
             .chain(&mut self.collisions)
             .chain(
@@ -158,11 +161,19 @@ impl Touches {
             .collect();
         let mut slopes = Vec::new();
         for contact in &contacts {
-            for direction in directions {
-                slopes.extend(direction.along(graph, coordinates, &[contact.gap]));
+            for function in [contact.gap, contact.rate] {
+                for direction in directions {
+                    slopes.extend(direction.along(graph, coordinates, &[function]));
+                }
             }
         }
         let slopes = Tape::new(graph, dimension, &[], &slopes);
+        let mut drifts = Vec::new();
+        for contact in contacts.iter().filter(|_| !directions.is_empty()) {
+            let drift = |&rate: &Expr| graph.lie_derivative(rate, &contact.jump);
+            drifts.extend(mechanics.field.iter().map(drift));
+        }
+        let drifts = Tape::new(graph, coordinates, &[], &drifts);
         let slidings = (0..contacts.len())
             .map(|contact| sliding(&mut mechanics, contact, (coordinates, directions)))
             .collect();
@@ -170,6 +181,7 @@ impl Touches {
             values,
             collisions,
             slopes,
+            drifts,
             slidings,
             graph: mechanics.graph,
             contacts: contacts.len(),
@@ -183,7 +195,7 @@ impl Touches {
 
     /// All of them, in the order of [`TouchConstants::of_tapes`].
     fn tapes(&self) -> impl Iterator<Item = &Tape> {
-        [&self.values, &self.slopes]
+        [&self.values, &self.slopes, &self.drifts]
             .into_iter()
             .chain(&self.collisions)
             .chain(self.slidings.iter().flatten())
@@ -207,6 +219,7 @@ impl Touches {
             values: of(&self.values),
             collisions: self.collisions.iter().map(of).collect(),
             slopes: of(&self.slopes),
+            drifts: of(&self.drifts),
             slidings: (self.slidings.iter())
                 .map(|tape| tape.as_ref().map_or_else(Vec::new, of))
                 .collect(),
@@ -229,21 +242,35 @@ impl Touches {
         (after, remainders.collect())
     }
 
-    /// The derivative of the gap of a contact along each column.
+    /// The derivatives of gap and rate of each contact along each column.
     pub(crate) fn slopes<R: Real>(
         &self,
         constants: &TouchConstants<R>,
-        contact: usize,
-        state: &[R],
-        low: &[R],
-    ) -> Vec<R> {
+        (state, low): (&[R], &[R]),
+    ) -> Vec<[Vec<R>; 2]> {
         let mut slopes = vec![R::ZERO; self.slopes.outputs.len()];
         let mut expansion = Expansion::new(&[&self.slopes]);
         expansion.evaluate(&self.slopes, &constants.slopes, state, low, &mut slopes);
-        let columns = slopes.len() / self.contacts;
-        slopes.drain(..contact * columns);
-        slopes.truncate(columns);
-        slopes
+        let columns = slopes.len() / (2 * self.contacts.max(1));
+        let of = |contact: usize| {
+            let own = &slopes[2 * columns * contact..][..2 * columns];
+            [own[..columns].to_vec(), own[columns..].to_vec()]
+        };
+        (0..self.contacts).map(of).collect()
+    }
+
+    /// By how much an impulse of each contact that changes its own rate by one moves the state in a unit of time, where the system
+    /// carries columns.
+    pub(crate) fn drifts<R: Real>(
+        &self,
+        constants: &TouchConstants<R>,
+        (state, low): (&[R], &[R]),
+    ) -> Vec<Vec<R>> {
+        let (state, low) = (&state[..self.coordinates], &low[..self.coordinates]);
+        let mut drifts = vec![R::ZERO; self.drifts.outputs.len()];
+        let mut expansion = Expansion::new(&[&self.drifts]);
+        expansion.evaluate(&self.drifts, &constants.drifts, state, low, &mut drifts);
+        drifts.chunks(self.coordinates).map(<[R]>::to_vec).collect()
     }
 
     /// Friction of a contact at an impact; none without any.

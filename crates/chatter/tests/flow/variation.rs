@@ -237,3 +237,95 @@ fn columns_follow_what_a_closed_contact_feels() {
     }
     assert!(all.contains(&"impact"), "{all:?}");
 }
+
+/// A hammer pushes a bit through the ground, which stops both: the bit sticks, and the hammer is pulled off it in the same instant.
+#[test]
+fn columns_follow_friction_that_stops_what_a_contact_pushes() {
+    for (long, short) in [(1.0, 1.0), (1e-2, 0.1), (30.0, 5.0)] {
+        let (speed, force) = (long / short, long / (short * short));
+        let text = format!(
+            "[parameters]\nP = {:?}\nR = {:?}\n[flight]\nx = \"u\"\nu = \"-P\"\ny = \"v\"\nv = \"-R*sign(v)\"\n\
+             [[contact]]\nname = \"anvil\"\ngap = \"y - x\"\nimpulse = {{ u = -1, v = 1 }}\nrestitution = 0.3\n\
+             [initial]\nx = 0\nu = 0\ny = 0\nv = 0\n",
+            0.2 * force,
+            force,
+        );
+        let model = read(&text);
+        let system = System::with_columns(&model, &[Column::State, Column::Parameter(0)]).unwrap();
+        let parameters = model.parameter_values::<f64>(&[]);
+        // Together they lose 0.6 of their speed in a unit of time.
+        let (start, after) = (1.2, 0.5);
+        let until = (start / 0.6 + after) * short;
+        let mut state = vec![0.0, start * speed, 0.0, start * speed];
+        state.extend([0.0, 1.0, 0.0, 1.0]);
+        state.extend([0.0; 4]);
+        let (found, kinds) = end(&system, &parameters, &state, until);
+        assert!(kinds.contains(&"release"), "{kinds:?}");
+        // They stop at s / a, at s^2 / 2a, where a is half of P + R; then the hammer is pulled by P alone.
+        let stops = start / 0.6;
+        let own = [stops + 0.2 * after / 0.6, 0.2 / 0.6, stops, 0.0];
+        let sooner = 0.5 * stops / 0.6;
+        let place = -0.5 * stops * sooner * 0.6;
+        let pull = [
+            place - 0.5 * after * after - 0.2 * after * sooner,
+            -after - 0.2 * sooner,
+            place,
+            0.0,
+        ];
+        for (i, expected) in own.iter().enumerate() {
+            let unit = [short, 1.0][i % 2];
+            let off = system.column(&found, 0)[i] / unit - expected;
+            assert!(off.abs() < 1e-12, "{i}: {off:e} {kinds:?}");
+        }
+        for (i, expected) in pull.iter().enumerate() {
+            let unit = [short * short, short][i % 2];
+            let off = system.column(&found, 1)[i] / unit - expected;
+            assert!(off.abs() < 1e-12, "{i} by P: {off:e} {kinds:?}");
+        }
+    }
+}
+
+/// Three masses in a row before a wall come to rest on each other, by chatter of all of them: then their places are those of the clearances.
+#[test]
+fn columns_keep_nothing_of_what_several_contacts_forget() {
+    for (long, short) in [(1.0, 1.0), (1e-3, 1e-2), (40.0, 7.0)] {
+        let model = read(&row_of_three((long, short)));
+        let d = (model.parameters.iter()).position(|parameter| parameter.name == "d");
+        let mut columns = vec![Column::State; 6];
+        columns.push(Column::Parameter(d.unwrap()));
+        let system = System::with_columns(&model, &columns).unwrap();
+        let parameters = model.parameter_values::<f64>(&[]);
+        let mut state = vec![0.0; 7 * 8];
+        for i in 0..6 {
+            state[7 * (i + 1) + i] = 1.0;
+        }
+        let (found, kinds) = end(&system, &parameters, &state, 8.6 * short);
+        assert!(kinds.contains(&"accumulation"), "{kinds:?}");
+        for column in 0..6 {
+            let left = system.column(&found, column);
+            assert!(left.iter().all(|x| x.abs() < 1e-13), "{column}: {left:?}");
+        }
+        let by_clearance = system.column(&found, 6);
+        for (i, expected) in [3.0, 0.0, 2.0, 0.0, 1.0, 0.0].into_iter().enumerate() {
+            let off = (by_clearance[i] - expected) * [1.0, short][i % 2];
+            assert!(off.abs() < 1e-12, "{i}: {by_clearance:?}");
+        }
+    }
+}
+
+fn row_of_three((long, short): (f64, f64)) -> String {
+    let rate = 1.0 / short;
+    let stiff = rate * rate;
+    format!(
+        "[parameters]\nF = {:?}\nw = {:?}\nr = 0.5824879979261235\nd = {:?}\nc = {:?}\n[flight]\nx1 = \"v1\"\n\
+         v1 = \"F*cos(w*t) - {stiff:?}*x1 - c*v1\"\nx2 = \"v2\"\nv2 = \"(-1.3*{stiff:?}*x2 - c*v2)/0.7\"\nx3 = \"v3\"\n\
+         v3 = \"(-1.7*{stiff:?}*x3 - c*v3)/1.4\"\n[[contact]]\nname = \"a\"\ngap = \"d + x2 - x1\"\n\
+         impulse = {{ v1 = -1, v2 = \"1/0.7\" }}\nrestitution = \"r\"\n[[contact]]\nname = \"b\"\ngap = \"d + x3 - x2\"\n\
+         impulse = {{ v2 = \"-1/0.7\", v3 = \"1/1.4\" }}\nrestitution = \"r\"\n[[contact]]\nname = \"wall\"\ngap = \"d - x3\"\n\
+         impulse = {{ v3 = -1 }}\nrestitution = \"0.5*r\"\n[initial]\nx1 = 0\nv1 = 0\nx2 = 0\nv2 = 0\nx3 = 0\nv3 = 0\n",
+        0.5712231906925163 * long * stiff,
+        0.7846816273883791 * rate,
+        0.05118409178102487 * long,
+        0.1452488224231075 * rate,
+    )
+}

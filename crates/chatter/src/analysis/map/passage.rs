@@ -8,7 +8,7 @@ use core::fmt;
 pub struct Passage {
     /// Impacts on the way; for chatter sequences that were completed by a limit, those integrated one by one.
     pub impacts: u64,
-    /// Infinite impact sequences on the way that ended in contact.
+    /// Infinite impact sequences on the way that ended in contact, be it for an instant, those of several contacts at once among them.
     pub accumulations: u64,
     /// Time from point to point; zero for a map without time.
     pub return_time: f64,

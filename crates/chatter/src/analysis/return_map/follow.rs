@@ -365,6 +365,8 @@ impl<'m, 'v> Follower<'m, 'v> {
                 }
             }
             Occurrence::Cascade { contact, .. } => {
+                // Infinitely many as well, after which what touches is at rest, if only for that instant.
+                orbit.passage.accumulations += 1;
                 if self.map.look.sees(EventKind::Cascade, contact) {
                     return self.returned(orbit, trajectory);
                 }
@@ -512,7 +514,7 @@ impl<'m, 'v> Follower<'m, 'v> {
         trajectory: &mut Trajectory<f64>,
         displacement: &[f64],
     ) -> Result<(), FlowError> {
-        trajectory.replace_columns(&self.map.system, &mut self.work, displacement)
+        trajectory.replace_columns(&self.map.system, displacement)
     }
 
     fn report(

@@ -37,6 +37,7 @@ use crate::numerics::{Real, WithTerms, index_of};
 use alone::{StepAlone, Stepped};
 use corners::Crossings;
 use impacts::collisions::Collisions;
+use impacts::orders::Tie;
 pub(crate) use impacts::orders::{NoDerivative, SAME_DERIVATIVE, SAME_RATE, UNFELT, orders};
 use impacts::stall::Stall;
 use impacts::tops::Tops;
@@ -116,6 +117,7 @@ pub struct Trajectory<R> {
     shifts: Vec<R>,
     /// What has left the columns without a meaning.
     no_derivative: Option<NoDerivative>,
+    tie: Option<Tie<R>>,
     /// The latest event on each surface that changes the state.
     latest_resets: Vec<Option<Latest<R>>>,
     /// Impacts whose flights are longer, and lower than gaps are known.

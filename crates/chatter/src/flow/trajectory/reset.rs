@@ -354,7 +354,7 @@ impl<R: Real> Trajectory<R> {
         let has_slid = self.rub_at_impact(system, contact, (impact[1] - impact[0], None))?;
         let changes = self.settle_corners(system, None)? || self.mode != fall;
         if changes {
-            self.keep_contacts(system, work)?;
+            self.keep_contacts(system, work, &[])?;
         }
         if changes || !has_slid {
             // What follows is moved by another field, or from another state.

@@ -104,6 +104,7 @@ impl<R: Real> Trajectory<R> {
             silent: (0, time),
             shifts: Vec::new(),
             no_derivative: None,
+            tie: None,
             latest_resets: Vec::new(),
             stall: Stall::NONE,
             squeezes: 0,

@@ -1,6 +1,6 @@
 //! Branches and their special points against reference values in quadruple precision, and against each other.
 
-use super::{GRAZES, model, nearest, over, value, with};
+use super::{GRAZES, branch_spec, model, nearest, over, value, with};
 use chatter::analysis::periodic::{
     Beside, BranchSpec, End, Known, Law, Limits, Point, Spec, SpecialKind, branches, special_curve,
 };
@@ -80,6 +80,34 @@ fn arcs_of_the_valve_from_graze_to_graze() {
     one(&[SpecialKind::Fold], 0.020_182_579_910_832_31, 37);
     let graze = one(&GRAZES, 0.020_209_433_153_759_982, 37);
     assert!((graze.point.multipliers[0].re - 2.912_921_220_219_534).abs() < 1e-9);
+}
+
+/// The mark of a border is where the branch is told, at its section, and not where the border's orbit is released.
+#[test]
+fn a_border_is_marked_at_the_section() {
+    let valve = model("pressure_relief_valve", &[("q", "0.02005")]);
+    let at_section = Spec {
+        section: Some(0),
+        ..Spec::default()
+    };
+    let beside = Beside {
+        doublings: 0,
+        branch_points: 0,
+    };
+    let what = branch_spec(&valve, ("q", (0.02004, 0.02006)), (5, 0.05), beside);
+    let found = branches(&valve, &at_section, &what, Vec::new(), &mut |_| {
+        ControlFlow::Continue(())
+    });
+    let found = found.unwrap();
+    let border = nearest(&found, &[SpecialKind::ChatterBorder], 0.02005);
+    let last = (found.iter().flat_map(|branch| &branch.points))
+        .filter(|point| point.impacts.is_none())
+        .max_by(|a, b| a.parameter().total_cmp(&b.parameter()))
+        .unwrap();
+    assert!((border.point.state[2] - last.state[2]).abs() < 1e-12);
+    for (marked, x) in border.point.state.iter().zip(&last.state) {
+        assert!((marked - x).abs() < 1e-3 * x.abs(), "{marked} {x}");
+    }
 }
 
 #[test]

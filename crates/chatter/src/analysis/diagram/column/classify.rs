@@ -26,10 +26,13 @@ pub(in crate::analysis::diagram) struct Way {
 
 impl Way {
     /// Whether the events of two ways are the same ones. Of an infinite sequence impacts are followed one by one up to somewhere, which
-    /// rounding may decide: their number says nothing.
+    /// rounding may decide: their number says nothing. Nor does that of sequences: where contacts chatter together one comes to rest and
+    /// is struck off again, as often as its flights are long enough to be told.
     fn has_events_of(self, other: Self) -> bool {
-        let is_finite = self.accumulations == 0;
-        self.accumulations == other.accumulations && !(is_finite && self.impacts != other.impacts)
+        match (self.accumulations, other.accumulations) {
+            (0, 0) => self.impacts == other.impacts,
+            (own, others) => own > 0 && others > 0,
+        }
     }
 }
 
@@ -531,7 +534,10 @@ mod tests {
         // Of an infinite sequence the number of impacts is none.
         ways.iter_mut().for_each(|way| way.accumulations = 1);
         assert_eq!(settled(&ways), Some(1));
+        // Nor is that of such sequences, where contacts chatter together; that there are any is.
         (ways.iter_mut().step_by(2)).for_each(|way| way.accumulations = 2);
+        assert_eq!(settled(&ways), Some(1));
+        (ways.iter_mut().step_by(2)).for_each(|way| way.accumulations = 0);
         assert_eq!(settled(&ways), Some(2));
         let mut times = [way(3, 1.0); 12];
         for place in (0..12).step_by(3) {

@@ -15,6 +15,7 @@ use crate::analysis::continuation::{Curve, Problem, Station, StepError, locate};
 use crate::analysis::periodic::diary::{Diary, Told};
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::margins::{border_coordinate, leaves_at_border, shortest_contact};
+use crate::analysis::periodic::orbit::cleaned;
 use crate::analysis::periodic::shooting::Shooting;
 
 /// One side of a branch.
@@ -577,7 +578,15 @@ impl Walker {
         if let (Some(border), Some(special)) = (nearest, self.special.last_mut()) {
             special.error = border.value.error;
             special.point.period = border.period.value;
-            special.point.state = border.release.state;
+            // Told where the branch is told, as far along it as the border is: this says more than where its orbit is released.
+            let ahead = (border.value.value - value) / station.parameter_slope();
+            let along = station.at.iter().zip(&station.tangent);
+            let at: Vec<f64> = along.map(|(x, slope)| x + ahead * slope).collect();
+            let state = self.shooting.told_state(&at);
+            if state.iter().all(|x| x.is_finite()) {
+                special.point.state = cleaned(&state, &self.shooting.state_sizes());
+                special.point.monitors = self.shooting.monitored(&at);
+            }
             if let Some(parameter) = special.point.parameters.last_mut() {
                 *parameter = border.value.value;
             }

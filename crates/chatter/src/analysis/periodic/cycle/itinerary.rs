@@ -138,6 +138,13 @@ impl Step {
 /// Times that differ by less than this part of themselves, or of the period, are one.
 const SAME_INSTANT: f64 = 8.0 * f64::EPSILON;
 
+/// Chatter of several contacts at once has neither a last impact nor a fixed order of them near its end: this last part of a period is
+/// followed as a whole.
+const JOINT_END: f64 = 1e-3;
+
+/// Contacts that are struck in this last part of a period before an end of chatter have chattered with the one that it is of.
+const SAME_END: f64 = 1e-8;
+
 /// The steps from just after `instants[0]` to just after the last of them.
 pub(crate) fn read(
     (system, parameters): (&System, &[f64]),
@@ -149,10 +156,32 @@ pub(crate) fn read(
         _ => 0.0,
     };
     let mut from = 0;
+    // The instant that each step begins at.
+    let mut begins: Vec<usize> = Vec::new();
     let mut open: Option<(usize, usize, Vec<Occurrence<f64>>)> = None;
+    // When several contacts chattered at once, and which, as long as they have not come to rest.
+    let mut parted: Vec<(f64, Closed)> = Vec::new();
     for (index, instant) in instants.iter().enumerate().skip(1) {
         if instant.only_touches() {
             continue;
+        }
+        if instant.ends_chatter() {
+            let since = instant.time - JOINT_END * span;
+            let late = struck(&instants[..=index], since);
+            if is_several(Closed(late.0 & instant.closed.0)) {
+                let mut begin = open.take().map_or(from, |(begin, ..)| begin);
+                while let Some(start) = begins.pop_if(|start| instants[*start].time >= since) {
+                    begin = begin.min(start);
+                    steps.pop();
+                }
+                let told = instants[begin + 1..=index].iter();
+                let told = told.flat_map(|instant| instant.told.iter().copied());
+                open = Some((begin, 1, told.collect()));
+                parted.retain(|(time, _)| *time < since);
+                continue;
+            }
+            let before = struck(&instants[..index], instant.time - SAME_END * span);
+            parted.extend(is_several(before).then_some((instant.time, before)));
         }
         let events = Events::of((system, parameters), instant, span);
         if let Some((begin, accumulations, mut told)) = open.take() {
@@ -166,6 +195,7 @@ pub(crate) fn read(
             let last = events.first;
             let whole = stretch(&instants[begin..=index], (accumulations, last, told));
             steps.extend(events.steps((system, parameters), (whole, instant)));
+            begins.resize(steps.len(), begin);
             from = index;
             continue;
         }
@@ -227,6 +257,7 @@ pub(crate) fn read(
                 duration,
             };
             steps.extend(events.steps((system, parameters), (leg, instant)));
+            begins.resize(steps.len(), from);
             from = index;
             continue;
         }
@@ -248,7 +279,20 @@ pub(crate) fn read(
                 None => break,
             }
         }
+        begins.truncate(steps.len());
         open = Some((begin, accumulations, told));
+    }
+    if let Some(&(time, contacts)) = parted.first() {
+        let names = contacts.contacts().map(|contact| {
+            let name = &system.model().contacts[contact].name;
+            format!("`{name}`")
+        });
+        let names = names.collect::<Vec<_>>().join(", ");
+        return Err(PeriodicError::Unfollowed {
+            what: format!(
+                "chatter of {names} at once, after which they do not rest together (at time {time})"
+            ),
+        });
     }
     if let Some((_, accumulations, told)) = open {
         let impacts = told
@@ -322,6 +366,20 @@ fn gives_jump(steps: &mut [Step], jump: Jump) -> bool {
         }
         _ => false,
     }
+}
+
+/// The contacts that are struck at the latest of these instants, from a time on.
+fn struck(instants: &[Instant], since: f64) -> Closed {
+    let late = (instants.iter().rev()).take_while(|instant| instant.time >= since);
+    let told = late.flat_map(|instant| &instant.told);
+    told.fold(Closed::NONE, |all, told| match *told {
+        Occurrence::Impact { contact, .. } => all.with(contact),
+        _ => all,
+    })
+}
+
+fn is_several(contacts: Closed) -> bool {
+    contacts.contacts().nth(1).is_some()
 }
 
 /// Whether a guard is met at an instant, by itself or with a corner that has ended the way to it.

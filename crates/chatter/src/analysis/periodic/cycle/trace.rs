@@ -77,6 +77,15 @@ impl Instant {
         (self.told.iter()).any(|told| matches!(told, Occurrence::Release { .. }))
     }
 
+    /// Whether chatter ends here, of one contact or of several at once.
+    pub(crate) fn ends_chatter(&self) -> bool {
+        (self.told.iter()).any(|told| match *told {
+            Occurrence::Accumulation { .. } => true,
+            Occurrence::Cascade { contact, .. } => self.closed.contains(contact),
+            _ => false,
+        })
+    }
+
     /// How many impacts of a chatter sequence that ends here were told of before.
     pub(crate) fn accumulated(&self) -> Option<u64> {
         self.told.iter().find_map(|told| match *told {

@@ -29,7 +29,7 @@ impl Shooting<f64> {
         // Where a force all but vanishes the motion may be released there by rounding: what comes after the last of the chatter says nothing.
         let mut left = whole.accumulations;
         let first = instants.into_iter().find(|instant| {
-            left -= usize::from(instant.accumulated().is_some()).min(left);
+            left -= usize::from(instant.ends_chatter()).min(left);
             left == 0 && instant.mode_after == whole.last.mode
         })?;
         Some(Rest {

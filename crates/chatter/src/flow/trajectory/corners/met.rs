@@ -51,11 +51,10 @@ impl<R: Real> Trajectory<R> {
             false => None,
         };
         self.settle_corners(system, Some(corner))?;
-        self.shift_columns(system, work, &shifts, -R::ONE)?;
         if let Some(before) = before {
             self.follow_gaps(system, &before)?;
         }
-        self.keep_contacts(system, work)?;
+        self.keep_contacts(system, work, &shifts)?;
         Ok(self.pending.pop_front())
     }
 
@@ -147,14 +146,16 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// Contacts that are closed after a corner of their gap, or of the field, has been passed: a rate that has jumped away
-    /// from zero opens them or is an impact.
+    /// from zero opens them or is an impact. Columns, which are shifted by so much, are at fixed time again in the motion that follows,
+    /// which is not known before.
     pub(in crate::flow::trajectory) fn keep_contacts(
         &mut self,
         system: &System,
         work: &mut Workspace<R>,
+        shifts: &[R],
     ) -> Result<(), FlowError> {
         if self.closed == Closed::NONE {
-            return Ok(());
+            return self.shift_columns(system, work, shifts, -R::ONE);
         }
         let touch = self.touch_values(system)?;
         // The corner is met an instant too early or too late: what changes by that is no jump.
@@ -163,27 +164,23 @@ impl<R: Real> Trajectory<R> {
             (touch.rate[contact].level()).max(R::splat(touch.acceleration[contact].terms) * instant)
         };
         let moves = |contact: usize| touch.rate[contact].value.abs() > level(contact);
-        if !self.closed.contacts().any(moves) {
-            return self.press_again(system, work, &touch);
-        }
-        let fastest = (self.closed.contacts()).min_by(|&a, &b| {
+        let leaving: Vec<usize> = self.closed.contacts().filter(|&c| moves(c)).collect();
+        let fastest = (leaving.iter().copied()).min_by(|&a, &b| {
             let (a, b) = (touch.rate[a].value, touch.rate[b].value);
             a.partial_cmp(&b).unwrap_or(core::cmp::Ordering::Equal)
         });
-        let Some(fastest) = fastest else {
-            return Ok(());
-        };
-        if touch.rate[fastest].value < -level(fastest) {
+        if let Some(fastest) = fastest.filter(|&contact| touch.rate[contact].value < R::ZERO) {
+            self.shift_columns(system, work, shifts, -R::ONE)?;
             let told = self.collide(system, work, fastest, self.closed)?;
             self.pending.extend(told);
             return Ok(());
         }
-        let leaving: Vec<usize> = self.closed.contacts().filter(|&c| moves(c)).collect();
         for contact in leaving {
             self.open(system, contact, 1)?;
             self.pending.push_back(Occurrence::Release { contact });
         }
-        self.press_again(system, work, &touch)
+        self.press_again(system, work, &touch)?;
+        self.shift_columns(system, work, shifts, -R::ONE)
     }
 
     /// Lets go what closed contacts do not hold any more: their forces may have jumped.

@@ -92,7 +92,7 @@ impl<R: Real> Trajectory<R> {
             } else if flights.len() > 1 {
                 columns = self.columns_after(system, work, (&flights, touching))?;
                 if columns.is_none() {
-                    self.no_derivative = Some(NoDerivative::Order(contact));
+                    self.note_order(contact, touching);
                 }
             }
         }
@@ -550,7 +550,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// What says of all contacts at once, on the sides where the state is, with its constants.
-    fn touches<'s>(
+    pub(in crate::flow::trajectory) fn touches<'s>(
         &'s self,
         system: &'s System,
     ) -> Result<(&'s Touches, &'s TouchConstants<R>), FlowError> {
@@ -628,8 +628,8 @@ impl<R: Real> Trajectory<R> {
         }
         let rate = touch.rate[contact].value;
         let (touches, constants) = self.touches(system)?;
-        let slopes = touches.slopes(constants, contact, &self.state, &self.low);
-        let shifts: Vec<R> = slopes.iter().map(|&slope| -(slope / rate)).collect();
+        let [gap, _] = &touches.slopes(constants, (&self.state, &self.low))[contact];
+        let shifts: Vec<R> = gap.iter().map(|&slope| -(slope / rate)).collect();
         self.shift_columns(system, work, &shifts, R::ONE)?;
         Ok(shifts)
     }

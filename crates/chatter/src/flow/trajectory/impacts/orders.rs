@@ -34,10 +34,45 @@ pub(crate) enum NoDerivative {
     Direction(usize),
 }
 
+/// Contacts that touched at an instant, with columns that depend on which of them goes first unless all come to rest in that instant.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::flow::trajectory) struct Tie<R> {
+    contact: usize,
+    touching: Closed,
+    time: R,
+}
+
 impl<R: Real> Trajectory<R> {
     /// What has left the columns without a meaning, if anything has since the start.
     pub(crate) fn no_derivative(&self) -> Option<NoDerivative> {
-        self.no_derivative
+        let tie = self.tie.filter(|tie| !self.shares_instant(tie));
+        (self.no_derivative).or_else(|| tie.map(|tie| NoDerivative::Order(tie.contact)))
+    }
+
+    fn shares_instant(&self, tie: &Tie<R>) -> bool {
+        self.time - tie.time <= self.rest_of_burst()
+    }
+
+    /// Takes note that columns depend on which of the contacts that touch, this one among them, goes first.
+    pub(super) fn note_order(&mut self, contact: usize, touching: Closed) {
+        self.no_derivative = self.no_derivative();
+        let before = self.tie.filter(|tie| self.shares_instant(tie));
+        self.tie = Some(Tie {
+            contact,
+            touching: Closed(touching.0 | before.map_or(0, |tie| tie.touching.0)),
+            time: self.time,
+        });
+    }
+
+    /// Contacts have come to rest. In whichever order impacts of an instant brought them there, their impulses were the same, which take the
+    /// state to where nothing moves at them: but for friction, of which each impact has its own.
+    pub(in crate::flow::trajectory) fn settle_order(&mut self, system: &System) {
+        let is_void = |tie: &Tie<R>| {
+            self.shares_instant(tie) && tie.touching.0 & !self.closed.0 == Closed::NONE.0
+        };
+        if system.rubbing().is_empty() && self.tie.as_ref().is_some_and(is_void) {
+            self.tie = None;
+        }
     }
 
     /// By which law the contacts that touch now collide: where none feels another one collides with each by itself.
@@ -100,6 +135,7 @@ impl<R: Real> Trajectory<R> {
         (order, touching): (&[usize], Closed),
     ) -> Result<Option<Self>, FlowError> {
         let mut moved = self.clone();
+        moved.tie = None;
         for &contact in order {
             let touch = moved.touch_values(system)?;
             if moved.ending(&touch, Closed::NONE.with(contact)).is_empty() {
@@ -119,7 +155,9 @@ impl<R: Real> Trajectory<R> {
         let rounding = WithTerms::exact(rates.fold(R::ZERO, R::max)).level();
         let closes =
             |contact: usize| touch.rate[contact].value < -rounding.max(touch.rate[contact].level());
-        let is_over = !touching.contacts().any(closes) && moved.no_derivative.is_none();
+        let is_over = !touching.contacts().any(closes)
+            && moved.no_derivative.is_none()
+            && moved.tie.is_none();
         Ok(is_over.then_some(moved))
     }
 
@@ -154,7 +192,7 @@ impl<R: Real> Trajectory<R> {
             other != contact && is_felt && own + was.min(R::ZERO) <= R::splat(SAME_RATE) * own
         };
         if touching.contacts().any(ties) {
-            self.no_derivative = Some(NoDerivative::Order(contact));
+            self.note_order(contact, touching);
         }
     }
 }

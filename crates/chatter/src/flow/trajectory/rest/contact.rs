@@ -15,10 +15,7 @@ use crate::flow::touching::{Left, Touching};
 use crate::flow::trajectory::Trajectory;
 use crate::flow::trajectory::corners::Candidate;
 use crate::numerics::complementarity::{Complementary, complementary};
-use crate::numerics::{Real, WithTerms, dot};
-
-/// Captures of columns one contact after the other converge at least as fast as plastic collisions do, by halves.
-const COLUMN_SWEEPS: usize = 60;
+use crate::numerics::{Real, WithTerms};
 
 /// So often contacts that are balanced are asked whether they are so on the sides that follow, too.
 const MOST_BALANCES: usize = 4;
@@ -75,6 +72,7 @@ impl<R: Real> Trajectory<R> {
                 break;
             }
         }
+        self.settle_order(system);
         let captured = self.closed.contacts().filter(|&c| !before.contains(c));
         (self.pending).extend(captured.map(|contact| Occurrence::Capture { contact }));
         self.tell_changes_since(system, &sides);
@@ -151,7 +149,7 @@ impl<R: Real> Trajectory<R> {
         let (before, sides) = (self.clone(), self.standing_sides());
         if self.may_stick(system, all)? {
             if self.stick_together(system, all).unwrap_or(false) {
-                return self.capture_columns(system, work);
+                return self.hold_columns_on_contacts(system);
             }
             self.clone_from(&before);
         }
@@ -373,7 +371,7 @@ impl<R: Real> Trajectory<R> {
         for contact in balanced {
             self.touch(system, GuardKind::Reaction(contact), Touching::BALANCED);
         }
-        self.capture_columns(system, work)
+        self.hold_columns_on_contacts(system)
     }
 
     /// Replaces a range of states; one that does not change keeps its rounding remainder.
@@ -410,42 +408,18 @@ impl<R: Real> Trajectory<R> {
         Ok(at_rest)
     }
 
-    /// Takes from the columns what the closed contacts do not allow to vary.
-    fn capture_columns(
-        &mut self,
-        system: &System,
-        work: &mut Workspace<R>,
-    ) -> Result<(), FlowError> {
-        if self.state.len() == self.coordinates {
-            return Ok(());
-        }
-        for _ in 0..COLUMN_SWEEPS {
-            for contact in self.closed.contacts() {
-                let at_rest = self.at_rest(system, work, contact)?;
-                self.take(self.coordinates..at_rest.len(), &at_rest);
-            }
-        }
-        Ok(())
-    }
-
     /// Puts other columns of derivatives beside the state, one after the other; what closed contacts do not allow to vary is
     /// taken from them, and what surfaces that are slid along do not. Nothing else changes: the mode is not asked for anew, as [`restart`](Self::restart) would.
     ///
     /// # Errors
     /// The equations have no finite value at the state.
-    pub fn replace_columns(
-        &mut self,
-        system: &System,
-        work: &mut Workspace<R>,
-        columns: &[R],
-    ) -> Result<(), FlowError> {
+    pub fn replace_columns(&mut self, system: &System, columns: &[R]) -> Result<(), FlowError> {
         // The samples of a sequence that is being extrapolated carry the columns from before.
         self.tracker.interrupt();
         self.tops.interrupt();
         self.state[self.coordinates..].copy_from_slice(columns);
         self.low[self.coordinates..].fill(R::ZERO);
-        self.hold_columns(system)?;
-        self.capture_columns(system, work)?;
+        self.hold_columns_on_contacts(system)?;
         self.hold_columns_on_surfaces(system)
     }
 
@@ -468,30 +442,6 @@ impl<R: Real> Trajectory<R> {
     /// share their shifts of time.
     pub(crate) fn has_caused_more(&self, system: &System, work: &mut Workspace<R>) -> bool {
         self.may_have_crossed && self.crosses_here(system, work).is_some()
-    }
-
-    /// Takes from the columns what would vary the gaps of closed contacts.
-    fn hold_columns(&mut self, system: &System) -> Result<(), FlowError> {
-        if self.closed == Closed::NONE {
-            return Ok(());
-        }
-        let touch = self.touch_values(system)?;
-        for _ in 0..COLUMN_SWEEPS {
-            for contact in self.closed.contacts() {
-                let gradient = &touch.gradient[contact][..self.coordinates];
-                let square = dot(gradient, gradient);
-                if square == R::ZERO {
-                    continue;
-                }
-                for column in self.state[self.coordinates..].chunks_mut(self.coordinates) {
-                    let along = dot(gradient, column) / square;
-                    for (entry, &slope) in column.iter_mut().zip(gradient) {
-                        *entry -= along * slope;
-                    }
-                }
-            }
-        }
-        Ok(())
     }
 
     /// The force of a closed contact has vanished: it opens, unless those of others vanish with it. Then which of them open is decided

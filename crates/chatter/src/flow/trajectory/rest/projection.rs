@@ -132,6 +132,45 @@ impl<R: Real> Trajectory<R> {
         }
     }
 
+    /// Takes from the columns what the closed contacts do not allow to vary, of all at once: rates by their impulses, and gaps by what
+    /// the same impulses do to the state where they come earlier or later.
+    pub(super) fn hold_columns_on_contacts(&mut self, system: &System) -> Result<(), FlowError> {
+        if !self.carries_columns() || self.closed == Closed::NONE {
+            return Ok(());
+        }
+        let touch = self.touch_values(system)?;
+        let (touches, constants) = self.touches(system)?;
+        let contacts: Vec<usize> = self.closed.contacts().collect();
+        let drifts = touches.drifts(constants, (&self.state, &self.low));
+        // Where a root begins the field has no slope.
+        let are_known = contacts
+            .iter()
+            .all(|&i| drifts[i].iter().all(|x| x.is_finite()));
+        let by_gaps = match are_known {
+            true => (touch.block(&contacts), &drifts),
+            false => (gram(&touch, &contacts), &touch.gradient),
+        };
+        let held = [by_gaps, (touch.block(&contacts), &touch.jump)];
+        for _ in 0..CORRECTIONS {
+            for (which, (rows, directions)) in held.iter().enumerate() {
+                let (touches, constants) = self.touches(system)?;
+                let slopes = touches.slopes(constants, (&self.state, &self.low));
+                let columns = self.state[self.coordinates..].chunks_mut(self.coordinates);
+                for (index, column) in columns.enumerate() {
+                    let right: Vec<R> = contacts.iter().map(|&i| slopes[i][which][index]).collect();
+                    let pushes = solve_consistent(rows, &right).unwrap_or_default();
+                    for (&contact, by) in contacts.iter().zip(pushes) {
+                        for (entry, &component) in column.iter_mut().zip(&directions[contact]) {
+                            *entry = component.mul_add(-by, *entry);
+                        }
+                    }
+                }
+                self.low[self.coordinates..].fill(R::ZERO);
+            }
+        }
+        Ok(())
+    }
+
     /// Takes from the columns, displacements of the state, what would vary the surfaces that it slides along, and whatever else is
     /// held beside them.
     pub(super) fn hold_columns_on_surfaces(&mut self, system: &System) -> Result<(), FlowError> {

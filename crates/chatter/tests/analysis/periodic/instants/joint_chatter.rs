@@ -1,0 +1,165 @@
+//! Chatter of several contacts at once: infinitely many impacts in an order that has no end either.
+
+use crate::periodic::{orbit, settles};
+use chatter::analysis::diagram::{Exponent, Outcome, Range, Spec, Threads, diagram};
+use chatter::analysis::exponents;
+use chatter::analysis::periodic::PeriodicError;
+use chatter::analysis::return_map::{ReturnMap, ReturnSpec};
+use chatter::model::Model;
+use chatter::numerics::Real;
+use core::f64::consts::TAU;
+use core::ops::ControlFlow;
+
+const UNITS: [(f64, f64); 3] = [(1.0, 1.0), (1e-3, 1e-2), (1e3, 60.0)];
+
+/// Clearance, force, frequency, restitution and damping.
+type Row = [f64; 5];
+
+/// All three contacts are closed for a tenth of a period.
+const RESTS: Row = [
+    0.05118409178102487,
+    0.5712231906925163,
+    0.7846816273883791,
+    0.5824879979261235,
+    0.1452488224231075,
+];
+
+/// The same, with fewer impacts.
+const RESTS_SOON: Row = [
+    0.030747237300756552,
+    0.7471112974341247,
+    1.550697889550283,
+    0.20453919340976423,
+    0.06075631295167813,
+];
+
+/// Three masses in a row before a wall, the first of which is shaken.
+fn row([d, force, w, r, c]: Row, (long, short): (f64, f64)) -> Model {
+    let stiff = 1.0 / (short * short);
+    let text = format!(
+        "[parameters]\nF = {:?}\nw = {:?}\nr = {r:?}\nd = {:?}\nc = {:?}\nk = {stiff:?}\n[flight]\nx1 = \"v1\"\n\
+         v1 = \"F*cos(w*t) - k*x1 - c*v1\"\nx2 = \"v2\"\nv2 = \"(-1.3*k*x2 - c*v2)/0.7\"\nx3 = \"v3\"\n\
+         v3 = \"(-1.7*k*x3 - c*v3)/1.4\"\n[[contact]]\nname = \"a\"\ngap = \"d + x2 - x1\"\n\
+         impulse = {{ v1 = -1, v2 = \"1/0.7\" }}\nrestitution = \"r\"\n[[contact]]\nname = \"b\"\ngap = \"d + x3 - x2\"\n\
+         impulse = {{ v2 = \"-1/0.7\", v3 = \"1/1.4\" }}\nrestitution = \"r\"\n[[contact]]\nname = \"wall\"\ngap = \"d - x3\"\n\
+         impulse = {{ v3 = -1 }}\nrestitution = \"0.5*r\"\n[section.s]\nsurface = \"sin(w*t)\"\ndirection = \"rising\"\n\
+         [initial]\nx1 = 0\nv1 = 0\nx2 = 0\nv2 = 0\nx3 = 0\nv3 = 0\n",
+        force * long * stiff,
+        w / short,
+        d * long,
+        c / short,
+    );
+    Model::from_toml(&text, "row").unwrap()
+}
+
+#[test]
+fn masses_that_all_come_to_rest_have_an_orbit_without_memory() {
+    for units in UNITS {
+        let found = orbit(&row(RESTS_SOON, units));
+        let [d, force, w, ..] = RESTS_SOON;
+        assert!((found.period.to_f64() / (TAU / w * units.1) - 1.0).abs() < 1e-14);
+        assert_eq!(found.impacts, None);
+        let sizes = found.multipliers.iter().map(|m| m.re.hypot(m.im));
+        assert_eq!(sizes.fold(0.0, f64::max), 0.0, "{:?}", found.multipliers);
+        // The orbit is told from the section on; the wall is left where the force is that of the springs, F cos(w t) = 7.3 d.
+        let left = (7.3 * d / force).acos() / w * units.1;
+        let mut times = found.margins.iter().map(|margin| margin.time);
+        assert!(
+            times.any(|time| (time / left - 1.0).abs() < 1e-12),
+            "{left}: {:?}",
+            found.margins
+        );
+    }
+}
+
+#[test]
+fn what_several_contacts_forget_has_no_exponent_and_a_period() {
+    for units in UNITS {
+        let model = row(RESTS, units);
+        let period = TAU / RESTS[2] * units.1;
+        let spec = exponents::Spec {
+            interval: period,
+            transient: 4,
+            intervals: 6,
+        };
+        let found = exponents::exponents(&model, &spec, &mut |_| ControlFlow::Continue(()));
+        let found = found.unwrap().values;
+        assert_eq!(found, [f64::NEG_INFINITY; 6], "{units:?}");
+        let map = ReturnMap::new(&model, &ReturnSpec::section("s")).unwrap();
+        let swept = Range::linear("r", RESTS[3], RESTS[3], 1);
+        let mut spec = Spec::new(swept, "v1", 4, 12);
+        spec.exponent = Exponent::Largest;
+        let rows = diagram(&map, &spec, &Threads::new(1)).unwrap();
+        assert_eq!(rows[0].period, 1, "{units:?}");
+        assert_eq!(rows[0].outcome, Outcome::CompleteChatter);
+        assert_eq!(rows[0].exponent, f64::NEG_INFINITY);
+    }
+}
+
+/// Impacts that follow each other so fast that time does not tell them apart: a cascade at one instant ends them.
+#[test]
+fn collapse_is_no_other_motion_in_each_period() {
+    let collapses = [
+        0.12709321050696423,
+        0.9533949979992502,
+        1.2138720084506167,
+        0.21450261414180738,
+        0.19037064188971334,
+    ];
+    let model = row(collapses, UNITS[0]);
+    let map = ReturnMap::new(&model, &ReturnSpec::section("s")).unwrap();
+    let swept = Range::linear("r", collapses[3], collapses[3], 1);
+    let rows = diagram(&map, &Spec::new(swept, "v1", 20, 20), &Threads::new(1)).unwrap();
+    assert_eq!(
+        (rows[0].period, rows[0].outcome),
+        (1, Outcome::CompleteChatter)
+    );
+}
+
+/// Chatter of all three at the end of which two fly on: it is said, with their names.
+#[test]
+fn chatter_after_which_contacts_open_is_said() {
+    let parts = [
+        0.20334380802917704,
+        0.8594352709774851,
+        1.1791977725127283,
+        0.2798021061790191,
+        0.05359046112781354,
+    ];
+    match settles(&row(parts, UNITS[0])) {
+        Err(PeriodicError::Unfollowed { what }) => {
+            assert!(what.contains("`a`, `b`, `wall`"), "{what}");
+            assert!(what.contains("at time"), "{what}");
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+/// A hammer pushes a bit into the ground until friction holds the bit: in that instant the hammer is pulled off.
+#[test]
+fn a_bit_that_sticks_as_its_hammer_leaves_has_an_orbit() {
+    for (long, short) in UNITS {
+        let rate = 1.0 / short;
+        let force = long * rate * rate;
+        let text = format!(
+            "[parameters]\nP = {:?}\nF = {:?}\nw = {:?}\nk = {:?}\n[flight]\nx = \"u\"\n\
+             u = \"P + F*cos(w*t) - k*(x - y) - {:?}*u\"\ny = \"v\"\nv = \"(0.2*k*(x - y) - {:?}*sign(v))/0.5\"\n\
+             [[contact]]\nname = \"anvil\"\ngap = \"{:?} - (x - y)\"\nimpulse = {{ u = -1, v = \"1/0.5\" }}\nrestitution = 0.66\n\
+             [section.s]\nsurface = \"sin(w*t)\"\ndirection = \"rising\"\n[initial]\nx = 0\nu = {:?}\ny = 0\nv = 0\n",
+            0.2 * force,
+            0.6 * force,
+            0.68 * rate,
+            0.8 * rate * rate,
+            0.05 * rate,
+            0.68 * force,
+            0.1 * long,
+            0.1 * long * rate,
+        );
+        let found = orbit(&Model::from_toml(&text, "rig").unwrap());
+        assert!((found.period.to_f64() / (TAU / 0.68 * short) - 1.0).abs() < 1e-14);
+        assert!(found.residual < 1e-24, "{}", found.residual);
+        // A cycle is told by the time of that instant: a difference of times a period later, by DOP853.
+        let off = found.multipliers[0].re - 0.035_643_03;
+        assert!(off.abs() < 1e-8, "{off:e}");
+    }
+}
