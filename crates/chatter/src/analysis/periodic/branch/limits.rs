@@ -13,7 +13,8 @@ pub enum End {
     ChatterBorder,
     /// More impacts a period than allowed: the branch accumulates at a border.
     Impacts(u64),
-    /// The flights between so many impacts are as small as rounding of the gap: with one more they could not be told apart.
+    /// The flights between so many impacts are as small as rounding of the gap: with one more they could not be told apart. None if there are
+    /// infinitely many.
     Rounding(u64),
     /// More points than allowed.
     Points,
@@ -45,6 +46,10 @@ impl core::fmt::Display for End {
             Self::Range => write!(out, "end of the range"),
             Self::ChatterBorder => write!(out, "chatter border"),
             Self::Impacts(most) => write!(out, "more than {most} impacts a period"),
+            Self::Rounding(0) => write!(
+                out,
+                "flights beside complete chatter are as small as rounding of the gap"
+            ),
             Self::Rounding(impacts) => write!(
                 out,
                 "flights between {impacts} impacts a period are as small as rounding of the gap"
