@@ -42,7 +42,7 @@ fn curve_of(
     curve_within(model, free, told, &limits)
 }
 
-fn curve_within(
+pub(super) fn curve_within(
     model: &Model,
     free: [&str; 2],
     (known, at): (&Known, f64),

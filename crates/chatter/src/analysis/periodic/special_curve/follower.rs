@@ -47,7 +47,7 @@ const BEGINS: f64 = 64.0;
 const VANISHES: f64 = 1e-4;
 
 /// How the way to the next station ended.
-enum Stop {
+pub(super) enum Stop {
     /// It did not.
     On,
     /// Events have changed places: with borders of the equations as they are now.
@@ -184,22 +184,22 @@ impl Follower {
                 return Stop::Anew(anew);
             }
         }
+        if let Some(stop) = self.stay_is_over(curve, bordered) {
+            return stop;
+        }
         let found = curve.next(&mut bordered.of(&mut self.shooting));
         let (mut next, mut step) = match found {
             Ok(found) => found,
             Err(StepError::TooShort(error)) => {
                 let last = curve.station.clone();
-                let anew = self.past_stay(curve, &last);
-                let anew = anew.or_else(|| {
+                let stop = self.past_stay(curve, (&last, bordered));
+                let stop = stop.or_else(|| {
                     let is_end = leaves_at_border(&self.shooting, &last.at, &error);
                     let vanishes = self.shrinks(&last);
                     let past = || self.past_break(curve, (&last, bordered), Some(vanishes));
-                    (!is_end).then(past).flatten()
+                    (!is_end).then(past).flatten().map(Stop::Anew)
                 });
-                return match anew {
-                    Some(anew) => Stop::Anew(anew),
-                    None => Stop::End(self.border(curve, error)),
-                };
+                return stop.unwrap_or_else(|| Stop::End(self.border(curve, error)));
             }
         };
         let from = curve.station.clone();
@@ -210,10 +210,8 @@ impl Follower {
             Ok(broken) => broken,
             // The last correction may have taken what is left of a stay.
             Err(left) => {
-                return match self.past_stay(curve, &from) {
-                    Some(anew) => Stop::Anew(anew),
-                    None => Stop::End(End::Lost(left.to_string())),
-                };
+                let stop = self.past_stay(curve, (&from, bordered));
+                return stop.unwrap_or_else(|| Stop::End(End::Lost(left.to_string())));
             }
         };
         if !broken.is_empty() {
@@ -241,10 +239,8 @@ impl Follower {
             }
         }
         if let Some(end) = self.is_of_no_kind() {
-            return match self.past_stay(curve, &from) {
-                Some(anew) => Stop::Anew(anew),
-                None => Stop::End(end),
-            };
+            let stop = self.past_stay(curve, (&from, bordered));
+            return stop.unwrap_or(Stop::End(end));
         }
         let edge = self.limits.beyond(next.parameter());
         if let Some(edge) = edge {
@@ -606,7 +602,9 @@ impl Follower {
         (station, ahead): (&Station, f64),
         bordered: &Bordered,
     ) -> Option<Stop> {
-        let (onward, touch, vanishes) = self.loses_stay(station, true)?;
+        let Some((onward, touch, vanishes)) = self.loses_stay(station, true) else {
+            return self.ends_with_stay(curve, (station, bordered));
+        };
         let (from, close) = (curve.station.clone(), ahead * (1.0 - NOT_QUITE));
         if let Ok((near, _)) = from.ahead(&mut bordered.of(&mut self.shooting), close)
             && let Some(end) = self.between(&from, (&near, close), bordered)

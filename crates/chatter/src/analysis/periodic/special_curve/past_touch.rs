@@ -1,7 +1,7 @@
 //! On past where a surface is touched: on one side of that the orbit crosses the surface and comes back, or stays on it. With that stay the
 //! equations are singular at the touch, so that it is told of the orbit without.
 
-use super::follower::Follower;
+use super::follower::{Follower, Stop};
 use crate::analysis::continuation::{
     Condition as Row, Curve, Problem, Station, locate, newton, tangent,
 };
@@ -18,6 +18,11 @@ const NEAR: f64 = 1e-2;
 const SAME: f64 = 1e-8;
 /// So far beyond a touch the sequence of events without the stay is to hold, in parts of the longest step.
 const BEYOND: [f64; 7] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0];
+/// A stay that takes this part of the time is to be found nearer to the touch, by this factor.
+const SHORTER: f64 = 0.25;
+const NEARER: f64 = 0.5;
+/// A stay that is all but over ends this near, in parts of the parameters' sizes.
+const AT_END: f64 = 1e-3;
 /// New equations begin their steps with this part of the longest one.
 const CAREFUL: f64 = 1e-3;
 
@@ -96,6 +101,11 @@ impl Follower {
             let bordered = condition
                 .near(&mut longer, &found.at, Some(&bordered))
                 .ok()?;
+            let shorter =
+                self.shrinks_to(&mut longer, (&found.at, place, &bordered), touch.free(&at));
+            if !shorter {
+                return None;
+            }
             let along = tangent(&mut bordered.of(&mut longer), &found.at, &fixed.row).ok()?;
             Some(Onward {
                 shooting: longer,
@@ -111,6 +121,43 @@ impl Follower {
                 },
             })
         })
+    }
+
+    /// How far parameters are apart, in parts of their sizes.
+    fn apart(&self, one: &[f64], other: &[f64]) -> f64 {
+        let parts = one.iter().zip(other).zip(&self.shooting.workshop.sizes);
+        parts.fold(0.0, |most: f64, ((a, b), size)| {
+            most.max((a - b).abs() / size)
+        })
+    }
+
+    /// Whether a stay that becomes shorter leads to such parameters, and not to others nearby: beside a jump of the force what folds with a stay
+    /// is another curve.
+    fn shrinks_to(
+        &self,
+        longer: &mut Shooting<f64>,
+        (at, place, bordered): (&[f64], usize, &Bordered),
+        touch: &[f64],
+    ) -> bool {
+        let far = self.apart(longer.free(at), touch);
+        let row = Row::fixed(at.len(), place, SHORTER * at[place]);
+        let rows = core::slice::from_ref(&row);
+        match newton(&mut bordered.of(longer), at, rows) {
+            Ok(found) => {
+                let near = self.apart(longer.free(&found.at), touch);
+                near <= NEARER * far || far <= SAME
+            }
+            Err(_) => false,
+        }
+    }
+
+    /// Whether the stay at a station, which is all but over, ends at such parameters: they are no farther than it may take to end.
+    fn ends_at(&self, station: &Station, first: usize, touch: &[f64]) -> bool {
+        let shooting = &self.shooting;
+        let place = shooting.duration_place(shooting.after(first));
+        let lasts = place.map_or(f64::NAN, |place| station.at[place]);
+        let is_over = lasts <= VANISHED * shooting.period();
+        !is_over || self.apart(shooting.free(&station.at), touch) <= AT_END
     }
 
     /// Whether a stay has come to its end at a station, or all but and becomes shorter along the curve: the crossing that it begins with. (Where it
@@ -176,6 +223,10 @@ impl Follower {
         if self.special.last().is_some_and(is_there) {
             return None;
         }
+        let there = &touch.at[free..];
+        if !self.ends_at(station, first, there) {
+            return None;
+        }
         let left = value(&touch)?;
         let slope = (left - ends.0) / ahead;
         let onward = Onward {
@@ -189,9 +240,31 @@ impl Follower {
     }
 
     /// On past where a stay comes to its end, if one does at this station, with a touch that is told.
-    pub(super) fn past_stay(&mut self, curve: &mut Curve, station: &Station) -> Option<Bordered> {
-        let past = self.loses_stay(station, false)?;
-        Some(self.goes_past(past, curve))
+    pub(super) fn past_stay(
+        &mut self,
+        curve: &mut Curve,
+        (station, bordered): (&Station, &Bordered),
+    ) -> Option<Stop> {
+        match self.loses_stay(station, false) {
+            Some(past) => Some(Stop::Anew(self.goes_past(past, curve))),
+            None => self.ends_with_stay(curve, (station, bordered)),
+        }
+    }
+
+    /// The same where a stay has all but come to its end at the latest station: nearer to that rounding says how the curve goes on.
+    pub(super) fn stay_is_over(&mut self, curve: &mut Curve, bordered: &Bordered) -> Option<Stop> {
+        if !matches!(self.condition, Condition::Singular(_)) {
+            return None;
+        }
+        let station = curve.station.clone();
+        self.shooting.evaluate(&station.at).ok()?;
+        let first = self.shooting.shortest_stay()?;
+        let place = self.shooting.duration_place(self.shooting.after(first))?;
+        let is_over = station.at[place] <= VANISHED * self.shooting.period();
+        let is_over = is_over && station.tangent[place] < 0.0;
+        is_over
+            .then(|| self.past_stay(curve, (&station, bordered)))
+            .flatten()
     }
 
     /// The same, with what is known of it.

@@ -1,0 +1,62 @@
+//! Curves of folds in two parameters beside a jump of the force: with a stay beyond the jump, and without.
+
+use super::plane::{curve_within, of};
+use super::with;
+use chatter::analysis::periodic::{End, Known, Limits, SpecialKind};
+
+/// Preloaded springs to both sides and a rigid stop.
+const VIBRATOR: &str = "[parameters]\nF = 0.9\nw = 0.8\n[flight]\nx = 'v'\n\
+    v = 'F*cos(w*t) - 0.06*v - 0.3*x - if(x > 0.3, 0.15 + 3*(x - 0.3), if(x < -0.3, -0.15 + 3*(x + 0.3), 0))'\n\
+    [[contact]]\nname = 'stop'\ngap = '0.9 - x'\nimpulse = { v = -1 }\nrestitution = 0.6\n\
+    [section.s]\nsurface = 'sin(w*t)'\ndirection = 'rising'\n[initial]\nx = 0\nv = 0\n";
+
+/// Beside a jump a short stay has a multiplier beyond all bounds, but where what is in front of it vanishes: there the curve of folds with
+/// the stay ends, and elsewhere that without. The one does not go on as the other, which is near, and there is no cusp. (Both places by the
+/// closed form of the flights, with mpmath.)
+#[test]
+fn curves_of_folds_with_a_stay_beyond_a_jump_and_without_end_at_touches_of_their_own() {
+    let with_stay = (
+        [0.741_348_082_963_829_5, 0.743_260_627_976_835_2],
+        [0.163_569_744_927_091_53, -0.699_190_260_139_146_2],
+        [0.732_953_542_759_554_7, 0.734_467_130_791_423_1],
+    );
+    let without = (
+        [0.738_150_222_783_474_9, 0.740_554_817_660_708_5],
+        [0.170_479_512_391_568_5, -0.715_738_332_524_259_9],
+        [0.737_407_293_301_287_5, 0.739_643_780_330_201_2],
+    );
+    for ([w, force], [x, v], at) in [with_stay, without] {
+        let model = with(VIBRATOR, &[("F", &format!("{force:?}"))]);
+        let period = core::f64::consts::TAU / w;
+        let known = Known {
+            kind: SpecialKind::Fold,
+            monitor: None,
+            state: vec![x, v, period],
+            period,
+        };
+        for longest_step in [0.02, 0.01, 0.04] {
+            let limits = Limits {
+                range: (0.5, 1.3),
+                other: Some((0.5, 0.76)),
+                impacts: 60,
+                points: 300,
+                longest_step,
+            };
+            let curve = curve_within(&model, ["w", "F"], (&known, w), &limits).unwrap();
+            let ends = [End::At(SpecialKind::Touch), End::Range];
+            assert!(
+                ends.iter().all(|end| curve.ends.contains(end)),
+                "{:?}",
+                curve.ends
+            );
+            assert!(of(&curve, SpecialKind::Cusp).is_empty(), "{longest_step}");
+            let [touch] = &curve.special[..] else {
+                panic!("{longest_step}: {:?}", curve.special)
+            };
+            let told = &touch.point.parameters;
+            let off = (told[0] - at[0]).abs().max((told[1] - at[1]).abs());
+            assert!(off <= touch.error.max(1e-14), "{off} {}", touch.error);
+            assert!(touch.error < 1e-12, "{}", touch.error);
+        }
+    }
+}
