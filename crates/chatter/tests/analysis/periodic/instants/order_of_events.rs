@@ -468,6 +468,42 @@ fn an_impact_and_the_tick_of_a_clock_change_places() {
     }
 }
 
+/// A print hammer whose back stop is hit as the magnet is turned on: the branch turns back there, whether the pulse begins where a remainder jumps or
+/// where a sine is zero. (The touches by DOP853 and Newton's method.)
+#[test]
+fn a_pulse_that_begins_where_a_remainder_jumps_changes_places_with_an_impact() {
+    let spelled = [
+        ("mod(t, T) < 0.5*T", 1.0),
+        ("mod(t, T) < 0.5*T", 1e-3),
+        ("sin(2*pi*t/T) > 0", 1.0),
+    ];
+    for (pulse, time) in spelled {
+        let text = format!(
+            "[parameters]\nI = 2.5\nT = {:?}\nw = {:?}\n[flight]\nx = 'v'\n\
+             v = 'w^2*(if({pulse}, I, 0) - 2*(x + 0.1) - 8*max(x - 0.6, 0)^2) - 0.2*w*v'\n\
+             [[contact]]\nname = 'platen'\ngap = '0.8 - x'\nimpulse = {{ v = -1 }}\nrestitution = 0.4\n\
+             [[contact]]\nname = 'back'\ngap = 'x'\nimpulse = {{ v = 1 }}\nrestitution = 0.5\n\
+             [section.s]\nsurface = 'sin(2*pi*t/T - 1)'\ndirection = 'rising'\n[initial]\nx = 0.2\nv = 0\n",
+            2.0 * time,
+            1.0 / time
+        );
+        let branch = over(&with(&text, &[]), "I", (1.1, 3.5), (20, 0.02)).swap_remove(0);
+        let context = format!("{pulse} {time}");
+        let turns = branch
+            .special
+            .iter()
+            .filter(|special| special.kind == SpecialKind::Touch);
+        let turn = turns.min_by(|a, b| value(a).total_cmp(&value(b))).unwrap();
+        assert!(
+            (value(turn) - 1.186_345_672_985_84).abs() < 1e-10,
+            "{context}: {}",
+            value(turn)
+        );
+        assert_eq!(turn.persists, Some(false), "{context}");
+        assert_eq!(branch.ends, [End::Range, End::Range], "{context}");
+    }
+}
+
 /// A tick that kicks a mass towards its wall: just before an impact they are one blow, just after it there is a second impact. So the branch ends where
 /// they share an instant, and says that. There the mass is struck away at rate r (a + f), and comes back after one tick at rate a.
 #[test]
