@@ -8,7 +8,7 @@
 use super::{FOREVER, ORDER_CLASSES, legal_rates};
 use crate::flow::chatter::is_far_from_border;
 use crate::flow::modes::program::IMPACT_SCALARS;
-use crate::numerics::{Scalar, two_sum};
+use crate::numerics::{Real, Scalar, two_sum};
 
 /// An order is used up to this part of the time that it reaches: a prediction is not exact.
 const REACH_USED: f64 = 0.95;
@@ -67,6 +67,18 @@ pub(crate) fn rest_of_flight<S: Scalar>(flight_time: S, step: S) -> S {
     let forever = S::splat(FOREVER);
     let goes_on = flight_time.less(forever) & step.less(flight_time);
     S::select(goes_on, flight_time - step, forever)
+}
+
+/// The length of a flight that begins with a rate and no acceleration, to leading order; [`FOREVER`] where there is none or it begins with
+/// another acceleration.
+#[inline(always)]
+pub(crate) fn time_by_jerk<R: Real>(rate: R, acceleration: R, jerk: R) -> R {
+    let time = (R::splat(-6.0) * rate / jerk).sqrt();
+    let falls_back = acceleration == R::ZERO && jerk < R::ZERO && rate >= R::ZERO;
+    match falls_back && time.is_finite() {
+        true => time,
+        false => R::splat(FOREVER),
+    }
 }
 
 /// How long a sequence of impacts may still go on after the latest, to leading order: its next flight and all that follow.

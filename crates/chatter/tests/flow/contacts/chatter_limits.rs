@@ -334,3 +334,34 @@ fn what_impacts_have_stopped_sticks_where_chatter_ends() {
         }
     }
 }
+
+/// A plate whose greatest acceleration just carries a ball: beside that instant the force between both is none to rounding, and only its jerk
+/// leads flights back. They end where they are shorter than time can tell, not where rates have no digits left.
+#[test]
+fn chatter_without_a_force_ends_by_the_jerk() {
+    for (length, rate) in [(1.0, 1.0), (1e3, 1e-3), (1e-3, 40.0), (1.0, 1e3)] {
+        for restitution in [0.05, 0.1, 0.3, 0.45] {
+            let text = format!(
+                "[parameters]\nL = {length:?}\nw = {rate:?}\n[flight]\ny = 'v'\nv = 'L*w^2*(sin(p) - 1)'\np = 'w'\n\
+                 [[contact]]\nname = 'plate'\ngap = 'y'\nimpulse = {{ v = 1 }}\nrestitution = {restitution}\n\
+                 [initial]\ny = 0\nv = '1e-30*L*w'\np = 'pi/2 + 1e-9'\n"
+            );
+            let model = Model::from_toml(&text, "plate").expect("a valid model");
+            // Beyond this the force is told from none.
+            let end = 2e-8 / rate;
+            let run = simulate::<f64>(
+                &model,
+                &Spec::until(end),
+                &mut |_| ControlFlow::Continue(()),
+            )
+            .expect("a legal start");
+            let context = format!("{length} {rate} {restitution}");
+            assert_eq!(run.counts.accumulations, 1, "{context}");
+            assert_eq!(run.state[..2], [0.0, 0.0], "{context}");
+            // As many as it takes from the first flight to a roundoff of it, each sqrt(2 r) as long as the one before.
+            let most = (0.5 * f64::EPSILON).ln() / (2.0_f64 * restitution).sqrt().ln();
+            let impacts = run.counts.impacts;
+            assert!(impacts as f64 <= most + 4.0, "{context}: {impacts} {most}");
+        }
+    }
+}

@@ -170,15 +170,16 @@ impl Walker {
                         at_graze = true;
                         continue;
                     }
-                    if leaves_at_border(&self.shooting, &curve.station.at, &error) {
-                        self.note_border(&here, &curve.station);
-                        break End::ChatterBorder;
-                    }
+                    // Chatter that begins with nothing seems to end as late as contact does, too.
                     if self.stays_closed(&mut curve, &mut here) {
                         at_graze = true;
                         continue;
                     }
                     self.settle(&curve.station);
+                    if leaves_at_border(&self.shooting, &curve.station.at, &error) {
+                        self.note_border(&here, &curve.station);
+                        break End::ChatterBorder;
+                    }
                     let longer = self.comes_to_rest(&curve.station);
                     break longer.unwrap_or_else(|| End::Lost(error.to_string()));
                 }

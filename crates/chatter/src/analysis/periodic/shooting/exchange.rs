@@ -1,7 +1,7 @@
 //! Events that change places. Where one is the knot of a table functions go on smoothly, and nothing happens to an orbit whose impact
 //! comes before it and not after it any more. An impact and the tick of a clock, say, of which neither changes what the other does, lead to one
-//! state in either order, as do an impact and the switch of a square wave: the orbit goes on with a bend. Beside that place the time between both
-//! is an unknown like others, of either sign.
+//! state in either order, as do an impact and the switch of a square wave, however that is spelled: the orbit goes on with a bend. Beside that
+//! place the time between both is an unknown like others, of either sign.
 
 use super::Shooting;
 use super::at_jumps::differ;
@@ -92,12 +92,31 @@ impl<R: Real> Shooting<R> {
         };
         // Across the end of a cycle pieces are numbered a turn on.
         let wraps = index == 0;
-        // Where a function jumps from piece to piece other events may come about by that.
-        let with_piece =
-            |event: LegKind, ends: LegKind| is_knot_of_table(self, ends) || passes(event);
+        let opens_none = {
+            let closed = self.closed_before(before);
+            first.closed == closed && second.closed == closed
+        };
+        let in_other_order = || {
+            let modes = [first.mode(), second.mode(), next.mode()];
+            let between = self.workshop.system.in_other_order(modes);
+            between.filter(|_| opens_none)
+        };
+        // The mode between the event and the end of the piece in the other order: where a function jumps from piece to piece other events may
+        // come about by that, and what it is compared with may be on the other side from there on.
+        let beside_piece = |event: LegKind, (ends, changes, kept): (LegKind, bool, usize)| {
+            if !(is_knot_of_table(self, ends) || passes(event)) {
+                return None;
+            }
+            match changes {
+                false => Some(kept),
+                true => in_other_order().filter(|_| passes(event)),
+            }
+        };
         match (piece(one), piece(other)) {
             // The event, then the end of a piece.
-            (None, Some(by)) if next.mode() == second.mode() && with_piece(one, other) => {
+            (None, Some(by)) => {
+                let changes = next.mode() != second.mode();
+                let between = beside_piece(one, (other, changes, one.mode))?;
                 let passes = wraps || first.pieces == second.pieces;
                 passes.then(|| Exchange {
                     first: Step {
@@ -110,7 +129,10 @@ impl<R: Real> Shooting<R> {
                         ..first.clone()
                     },
                     second: Step {
-                        passage: Passage::Leg(one),
+                        passage: Passage::Leg(LegKind {
+                            mode: between,
+                            ..one
+                        }),
                         pieces: moved(&first.pieces, by),
                         closed: first.closed,
                         told: first.told.clone(),
@@ -119,18 +141,23 @@ impl<R: Real> Shooting<R> {
                 })
             }
             // The end of a piece, then the event.
-            (Some(by), None) if first.mode() == second.mode() && with_piece(other, one) => {
+            (Some(by), None) => {
+                let changes = first.mode() != second.mode();
+                let between = beside_piece(other, (one, changes, next.mode()))?;
                 let passes = wraps || moved(&first.pieces, by) == second.pieces;
                 passes.then(|| Exchange {
                     first: Step {
-                        passage: Passage::Leg(other),
+                        passage: Passage::Leg(LegKind {
+                            mode: one.mode,
+                            ..other
+                        }),
                         closed: second.closed,
                         told: second.told.clone(),
                         ..first.clone()
                     },
                     second: Step {
                         passage: Passage::Leg(LegKind {
-                            mode: next.mode(),
+                            mode: between,
                             ..one
                         }),
                         pieces: first.pieces.clone(),
@@ -142,14 +169,7 @@ impl<R: Real> Shooting<R> {
             }
             (None, None) if passes(one) && passes(other) && one.ends_at != other.ends_at => {
                 let in_pieces = wraps || first.pieces == second.pieces;
-                let closed = self.closed_before(before);
-                let opens_none = first.closed == closed && second.closed == closed;
-                let between = (self.workshop.system).in_other_order([
-                    first.mode(),
-                    second.mode(),
-                    next.mode(),
-                ]);
-                let between = between.filter(|_| in_pieces && opens_none)?;
+                let between = in_other_order().filter(|_| in_pieces)?;
                 Some(Exchange {
                     first: Step {
                         passage: Passage::Leg(LegKind {

@@ -110,7 +110,10 @@ impl<R: Real> Trajectory<R> {
         (contact, local): (usize, LocalPoint<R>),
     ) -> Result<(), FlowError> {
         self.burst += 1;
-        let is_short = self.flight_time <= self.negligible();
+        // Where the force of a contact can no longer be told from none, as where chatter begins with nothing, its jerk leads back.
+        let by_jerk = flight::time_by_jerk(local.rate, local.acceleration, local.jerk);
+        let flight_time = self.flight_time.min(by_jerk);
+        let is_short = flight_time <= self.negligible();
         if system.contacts() > 1 && (is_short || self.burst.is_multiple_of(BURST)) {
             let ends = self.end_burst(system, work, self.burst_within_rounding())?
                 || (self.burst >= BURST && self.end_squeeze(system, work)?);
@@ -131,7 +134,7 @@ impl<R: Real> Trajectory<R> {
         if is_short && system.model().contacts[contact].reset.is_some() {
             return Err(self.resets_without_end(contact));
         }
-        let rest_of_sequence = flight::rest_of_sequence(self.flight_time, local.at_rest);
+        let rest_of_sequence = flight::rest_of_sequence(flight_time, local.at_rest);
         self.tracker.keep_pace(contact, self.time, rest_of_sequence);
         let end = if local.at_rest < R::ONE {
             self.sequence_end(system, work, program, (contact, local))
@@ -142,7 +145,7 @@ impl<R: Real> Trajectory<R> {
             && self.ends_undisturbed((system, work), program, contact, &end)
         {
             self.completion = Some((contact, end));
-        } else if local.acceleration < R::ZERO && local.at_rest < R::ONE && is_short {
+        } else if local.acceleration <= R::ZERO && local.at_rest < R::ONE && is_short {
             // What is left of the sequence is below rounding.
             let after = rest_of_sequence;
             let end = Accumulation {

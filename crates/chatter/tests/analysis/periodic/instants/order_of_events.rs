@@ -80,6 +80,38 @@ fn a_branch_goes_on_where_a_contact_that_rests_after_chatter_begins_to_open() {
     }
 }
 
+/// A part on a pan that shakes along its slope: at A sin(b) = cos(a) the pan just carries it at one crest, and beyond throws it there. From both sides:
+/// from that of chatter flights shrink to nothing, by jerk alone in the end.
+#[test]
+fn a_part_goes_on_where_its_pan_begins_to_throw_it() {
+    let touch: f64 = 0.1_f64.cos() / 0.6_f64.sin();
+    for start in [1.74, 1.79] {
+        let text = format!(
+            "[parameters]\nA = {start}\n[flight]\ny = 'v'\nv = '-cos(0.1) + A*sin(0.6)*sin(t)'\nx = 'u'\n\
+                 u = '-sin(0.1) + A*cos(0.6)*sin(t) - 0.05*u'\n[[contact]]\nname = 'pan'\ngap = 'y'\nimpulse = {{ v = 1 }}\n\
+                 restitution = 0.3\nfriction = {{ coefficient = 0.4, along = {{ u = 1 }} }}\n[section.s]\nsurface = 'sin(t)'\n\
+                 direction = 'rising'\n[initial]\ny = 0.1\nv = 0\nx = 0\nu = 0\n"
+        );
+        let branch = over(&with(&text, &[]), "A", (1.72, 1.8), (40, 0.05)).swap_remove(0);
+        let context = format!("from {start}");
+        assert_eq!(branch.ends, [End::Range, End::Range], "{context}");
+        let told: Vec<_> = branch.special.iter().map(|s| (s.kind, value(s))).collect();
+        let [(SpecialKind::Touch, at)] = told[..] else {
+            panic!("{context}: {told:?}");
+        };
+        assert!((at - touch).abs() < 1e-12, "{context}: {told:?}");
+        for point in &branch.points {
+            let opens = point.parameter() > touch;
+            assert_eq!(
+                point.impacts.is_none(),
+                opens,
+                "{context} {}",
+                point.parameter()
+            );
+        }
+    }
+}
+
 /// The same where it depends on the state when that crest comes, of a hopper with a light foot. The touch is that of impacts and flights by
 /// matrix exponentials in 30 digits.
 #[test]
@@ -433,6 +465,42 @@ fn an_impact_and_the_tick_of_a_clock_change_places() {
             "{step}"
         );
         assert_eq!(branch.ends[1], End::Range, "{step}");
+    }
+}
+
+/// A print hammer whose back stop is hit as the magnet is turned on: the branch turns back there, whether the pulse begins where a remainder jumps or
+/// where a sine is zero. (The touches by DOP853 and Newton's method.)
+#[test]
+fn a_pulse_that_begins_where_a_remainder_jumps_changes_places_with_an_impact() {
+    let spelled = [
+        ("mod(t, T) < 0.5*T", 1.0),
+        ("mod(t, T) < 0.5*T", 1e-3),
+        ("sin(2*pi*t/T) > 0", 1.0),
+    ];
+    for (pulse, time) in spelled {
+        let text = format!(
+            "[parameters]\nI = 2.5\nT = {:?}\nw = {:?}\n[flight]\nx = 'v'\n\
+             v = 'w^2*(if({pulse}, I, 0) - 2*(x + 0.1) - 8*max(x - 0.6, 0)^2) - 0.2*w*v'\n\
+             [[contact]]\nname = 'platen'\ngap = '0.8 - x'\nimpulse = {{ v = -1 }}\nrestitution = 0.4\n\
+             [[contact]]\nname = 'back'\ngap = 'x'\nimpulse = {{ v = 1 }}\nrestitution = 0.5\n\
+             [section.s]\nsurface = 'sin(2*pi*t/T - 1)'\ndirection = 'rising'\n[initial]\nx = 0.2\nv = 0\n",
+            2.0 * time,
+            1.0 / time
+        );
+        let branch = over(&with(&text, &[]), "I", (1.1, 3.5), (20, 0.02)).swap_remove(0);
+        let context = format!("{pulse} {time}");
+        let turns = branch
+            .special
+            .iter()
+            .filter(|special| special.kind == SpecialKind::Touch);
+        let turn = turns.min_by(|a, b| value(a).total_cmp(&value(b))).unwrap();
+        assert!(
+            (value(turn) - 1.186_345_672_985_84).abs() < 1e-10,
+            "{context}: {}",
+            value(turn)
+        );
+        assert_eq!(turn.persists, Some(false), "{context}");
+        assert_eq!(branch.ends, [End::Range, End::Range], "{context}");
     }
 }
 
