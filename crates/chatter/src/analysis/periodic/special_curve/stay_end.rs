@@ -114,18 +114,27 @@ impl Follower {
             };
             (0..scales.len()).map(value).collect()
         };
+        let apart = |one: &[f64], other: &[f64]| {
+            let parts = one.iter().zip(other).zip(&scales);
+            parts.fold(0.0_f64, |most, ((a, b), scale)| {
+                most.max(((a - b) / scale).abs())
+            })
+        };
         // The longest tells what the polynomial leaves out, the shortest what is rounding.
         let ends = all.windows(AT_A_TIME).map(|part| {
             let end = extrapolated(part);
             let fewer = [&part[1..], &part[..part.len() - 1]].map(extrapolated);
-            let off = fewer.iter().flat_map(|other| {
-                let apart = other.iter().zip(&end).zip(&scales);
-                apart.map(|((a, b), scale)| ((a - b) / scale).abs())
-            });
+            let off = fewer.iter().map(|other| apart(other, &end));
             let off = off.fold(0.0, f64::max);
             (end, off)
         });
-        let (mut end, off) = ends.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let ends: Vec<(Vec<f64>, f64)> = ends.collect();
+        let least = (0..ends.len()).min_by(|&a, &b| ends[a].1.total_cmp(&ends[b].1))?;
+        let (mut end, off) = ends[least].clone();
+        // Chance makes one difference small: those beside it have to agree.
+        let beside = [least.checked_sub(1), Some(least + 1)];
+        let beside = beside.into_iter().flatten().filter_map(|k| ends.get(k));
+        let off = beside.fold(off, |most, (other, _)| most.max(apart(other, &end)));
         end[place] = 0.0;
         (off <= KNOWN).then_some((end, off))
     }

@@ -248,11 +248,19 @@ fn a_curve_of_doublings_has_none_without() {
             .fold(f64::INFINITY, f64::min);
         assert!(nearest < 1e-3, "{point:?}");
     }
-    let ends = curve.ends.map(|end| end.to_string());
-    assert!(
-        ends.iter().any(|end| end.contains("no multiplier of -1")),
-        "{ends:?}"
-    );
+    // It ends where the stick comes to nothing, whatever the steps.
+    assert_eq!(curve.ends, [(); 2].map(|()| End::At(SpecialKind::Touch)));
+    let touches = curve.special.iter();
+    let mut touches: Vec<&Special> = touches
+        .filter(|special| special.kind == SpecialKind::Touch)
+        .collect();
+    touches.sort_by(|a, b| a.point.parameter().total_cmp(&b.point.parameter()));
+    let places = [0.158_601_264_827, 0.450_336_642_339];
+    assert_eq!(touches.len(), places.len(), "{touches:?}");
+    for (touch, place) in touches.iter().zip(places) {
+        let off = (touch.point.parameter() - place).abs();
+        assert!(off < 1e-11 && touch.error < 1e-10, "{touch:?}");
+    }
 }
 
 /// Where the side changes on which doubled orbits lie is a property of the curve: the same from stations anywhere on it. Doubled orbits at
