@@ -186,7 +186,7 @@ const ROOM: f64 = 1.2;
 const FITTED: usize = 8;
 
 /// The polynomial through points, in Lagrange's form.
-fn interpolated(places: &[f64], values: &[f64], at: f64) -> f64 {
+pub(in crate::analysis::periodic) fn interpolated(places: &[f64], values: &[f64], at: f64) -> f64 {
     let mut sum = 0.0;
     for (i, (&x, &y)) in places.iter().zip(values).enumerate() {
         let weight: f64 = (places.iter().enumerate())

@@ -48,6 +48,7 @@ pub use point::Point;
 pub(super) use special::Near;
 pub use special::{Special, SpecialKind};
 
+pub(super) use branch_point::interpolated;
 pub(super) use changes::graze::moved;
 pub(crate) use changes::holds::{
     Broken, broken_beside, first_break, is_broken, least_beside, smallest,

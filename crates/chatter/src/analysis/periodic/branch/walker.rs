@@ -1,7 +1,6 @@
 //! One side of a branch, station by station.
 
 use super::changes::holds::broken;
-use super::changes::touch::VANISHED;
 use super::ends::growth::growth;
 use super::ends::returns::passages;
 use super::ends::unbounded::{Law, unbounded};
@@ -322,16 +321,14 @@ impl Walker {
             if walked.since_kept > CROWDED * self.limits.longest_step {
                 self.points.push(here.clone());
                 walked.since_kept = 0.0;
-                if self.points.len().is_multiple_of(LOOKED_BACK)
-                    && let Some(unbounded) = self.unbounded(&curve.station)
-                {
-                    let end = self.comes_to_rest(&curve.station);
-                    break end.unwrap_or(End::Unbounded(unbounded));
-                }
-                if self.points.len().is_multiple_of(LOOKED_BACK)
-                    && let Some(growth) = self.growth()
-                {
-                    break End::Growth(growth);
+                if self.points.len().is_multiple_of(LOOKED_BACK) {
+                    if let Some(unbounded) = self.unbounded(&curve.station) {
+                        let end = self.comes_to_rest(&curve.station);
+                        break end.unwrap_or(End::Unbounded(unbounded));
+                    }
+                    if let Some(growth) = self.growth() {
+                        break End::Growth(growth);
+                    }
                 }
             }
             let broken_off = diary.tell(Told::Orbit(&here)).is_break();
@@ -417,9 +414,8 @@ impl Walker {
     /// The crossing whose way back takes no time any more, but for rounding. Stays that begin are longer.
     fn stay_vanishes(&mut self, station: &Station) -> Option<usize> {
         self.settle(station);
-        let index = self.shooting.shortest_stay()?;
-        let place = (self.shooting).duration_place(self.shooting.after(index))?;
-        (station.at[place] < VANISHED * self.shooting.period()).then_some(index)
+        let (index, _) = self.shooting.stay_that_vanishes(&station.at)?;
+        Some(index)
     }
 
     /// On past where a crossing and the way back become one: no time is left between them. Whether that is so.

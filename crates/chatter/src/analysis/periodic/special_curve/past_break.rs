@@ -6,7 +6,7 @@ use super::follower::Follower;
 use super::past_touch::{Onward, holds};
 use super::start::{Begun, Grazed, begin_at_graze};
 use crate::analysis::continuation::{Condition as Row, Curve, Problem, Station, newton};
-use crate::analysis::periodic::branch::{SpecialKind, VANISHED, legal};
+use crate::analysis::periodic::branch::{SpecialKind, VANISHED, legal, moved};
 use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::condition::{Bordered, Condition};
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
@@ -40,13 +40,10 @@ impl Follower {
     ) -> Option<Bordered> {
         let free = self.shooting.free(&station.at).to_vec();
         let sizes = self.shooting.workshop.sizes.clone();
-        let is_there = |known: &Vec<f64>| {
-            let mut parts = known.iter().zip(&free).zip(&sizes);
-            parts.all(|((a, b), size)| (a - b).abs() <= SAME * size)
-        };
         // Nor is it followed where no step leads on from one such place to the next.
-        let stands =
-            |(known, points): &(Vec<f64>, usize)| is_there(known) || self.points.len() <= *points;
+        let stands = |(known, points): &(Vec<f64>, usize)| {
+            moved(known, &free, &sizes) <= SAME || self.points.len() <= *points
+        };
         if self.passed.as_ref().is_some_and(stands) {
             return None;
         }

@@ -123,14 +123,6 @@ impl Follower {
         })
     }
 
-    /// How far parameters are apart, in parts of their sizes.
-    fn apart(&self, one: &[f64], other: &[f64]) -> f64 {
-        let parts = one.iter().zip(other).zip(&self.shooting.workshop.sizes);
-        parts.fold(0.0, |most: f64, ((a, b), size)| {
-            most.max((a - b).abs() / size)
-        })
-    }
-
     /// Whether a stay that becomes shorter leads to such parameters, and not to others nearby: beside a jump of the force what folds with a stay
     /// is another curve.
     fn shrinks_to(
@@ -139,12 +131,13 @@ impl Follower {
         (at, place, bordered): (&[f64], usize, &Bordered),
         touch: &[f64],
     ) -> bool {
-        let far = self.apart(longer.free(at), touch);
+        let sizes = &self.shooting.workshop.sizes;
+        let far = moved(longer.free(at), touch, sizes);
         let row = Row::fixed(at.len(), place, SHORTER * at[place]);
         let rows = core::slice::from_ref(&row);
         match newton(&mut bordered.of(longer), at, rows) {
             Ok(found) => {
-                let near = self.apart(longer.free(&found.at), touch);
+                let near = moved(longer.free(&found.at), touch, sizes);
                 near <= NEARER * far || far <= SAME
             }
             Err(_) => false,
@@ -157,7 +150,7 @@ impl Follower {
         let place = shooting.duration_place(shooting.after(first));
         let lasts = place.map_or(f64::NAN, |place| station.at[place]);
         let is_over = lasts <= VANISHED * shooting.period();
-        !is_over || self.apart(shooting.free(&station.at), touch) <= AT_END
+        !is_over || moved(shooting.free(&station.at), touch, &shooting.workshop.sizes) <= AT_END
     }
 
     /// Whether a stay has come to its end at a station, or all but and becomes shorter along the curve: the crossing that it begins with. (Where it
@@ -215,10 +208,9 @@ impl Follower {
         // Not back to where it has just begun.
         let free = touch.at.len() - shorter.parameters();
         let is_there = |special: &Special| {
-            let own = touch.at[free..].iter().zip(&special.point.parameters);
-            let mut off = own.zip(&shorter.scales()[free..]);
+            let sizes = &shorter.scales()[free..];
             special.kind == SpecialKind::Touch
-                && off.all(|((a, b), size)| (a - b).abs() <= SAME * size)
+                && moved(&touch.at[free..], &special.point.parameters, sizes) <= SAME
         };
         if self.special.last().is_some_and(is_there) {
             return None;
@@ -258,13 +250,11 @@ impl Follower {
         }
         let station = curve.station.clone();
         self.shooting.evaluate(&station.at).ok()?;
-        let first = self.shooting.shortest_stay()?;
-        let place = self.shooting.duration_place(self.shooting.after(first))?;
-        let is_over = station.at[place] <= VANISHED * self.shooting.period();
-        let is_over = is_over && station.tangent[place] < 0.0;
-        is_over
-            .then(|| self.past_stay(curve, (&station, bordered)))
-            .flatten()
+        let (_, place) = self.shooting.stay_that_vanishes(&station.at)?;
+        if station.tangent[place] >= 0.0 {
+            return None;
+        }
+        self.past_stay(curve, (&station, bordered))
     }
 
     /// The same, with what is known of it.

@@ -193,56 +193,48 @@ fn touched(shooting: &mut Shooting<f64>, at: &mut Vec<f64>) -> Result<usize, Per
     }
     let least = shooting.least(at).map_err(failed)?;
     // The gap that is nearly zero.
-    let nearly = |of: &Nearly| of.value;
     let all = near_touches(shooting, (at, &least)).into_iter();
-    let touch = all.min_by(|a, b| nearly(a).total_cmp(&nearly(b)));
+    let touch = all.min_by(|a, b| a.least.value.total_cmp(&b.least.value));
     let touch = touch.ok_or_else(|| failed("no flight comes near a contact"))?;
     comes_in((shooting, at), &least, &touch)
 }
 
-/// A place where a gap may be nearly zero: the step, which of its least values, and the contact.
-struct Nearly {
+/// A place where a gap may be nearly zero: the step, and the contact.
+struct Nearly<'l> {
     step: usize,
-    which: usize,
     contact: usize,
-    value: f64,
-    time: f64,
+    least: &'l Least,
 }
 
-fn near_touches(shooting: &Shooting<f64>, (at, least): (&[f64], &[Vec<Least>])) -> Vec<Nearly> {
-    let all = (least.iter().enumerate())
-        .flat_map(|(step, all)| all.iter().enumerate().map(move |(k, l)| (step, k, l)));
-    let gaps = all.filter_map(|(step, which, l)| match l.guard {
-        GuardKind::Gap(contact) => Some((
-            Nearly {
-                step,
-                which,
-                contact,
-                value: l.value,
-                time: l.time,
-            },
-            l.at_end,
-        )),
+fn near_touches<'l>(
+    shooting: &Shooting<f64>,
+    (at, least): (&[f64], &'l [Vec<Least>]),
+) -> Vec<Nearly<'l>> {
+    let all = (least.iter().enumerate()).flat_map(|(step, all)| all.iter().map(move |l| (step, l)));
+    let gaps = all.filter_map(|(step, least)| match least.guard {
+        GuardKind::Gap(contact) => Some(Nearly {
+            step,
+            contact,
+            least,
+        }),
         _ => None,
     });
     // Where the flow turns with the rate of a gap the flight ends there.
-    let is_inner = |of: &Nearly, at_end: bool| {
-        !at_end || shooting.touches_at_turn((at, least), (of.step, of.contact))
-    };
-    gaps.filter(|(of, at_end)| is_inner(of, *at_end))
-        .map(|(of, _)| of)
-        .collect()
+    gaps.filter(|of| {
+        !of.least.at_end || shooting.touches_at_turn((at, least), (of.step, of.contact))
+    })
+    .collect()
 }
 
 /// The orbit with an impact of no rate where a gap is nearly zero, and the step that it ends.
 fn comes_in(
     (shooting, at): (&mut Shooting<f64>, &mut Vec<f64>),
     least: &[Vec<Least>],
-    touch: &Nearly,
+    touch: &Nearly<'_>,
 ) -> Result<usize, PeriodicError> {
     // Where the flow turns with the rate of the gap the flight before the touch ends there, and the one after it begins.
     let (own, before) = (touch.step, shooting.before(touch.step));
-    let is_start = touch.time <= AT_START * shooting.latest[own].duration;
+    let is_start = touch.least.time <= AT_START * shooting.latest[own].duration;
     let mut turns = [Some(own), is_start.then_some(before)]
         .into_iter()
         .flatten();
@@ -250,7 +242,7 @@ fn comes_in(
     let turn = turns.find(|&turn| shooting.touches_at_turn(known, (turn, touch.contact)));
     let (longer, guess, index) = match turn {
         Some(turn) => shooting.with_impact_at_turn(at, (turn, touch.contact))?,
-        None => shooting.with_event(at, touch.step, &least[touch.step][touch.which])?,
+        None => shooting.with_event(at, touch.step, touch.least)?,
     };
     (*shooting, *at) = (longer, guess);
     Ok(index)
@@ -280,7 +272,7 @@ fn touched_at(
     let touches = near_touches(shooting, (at, &least)).into_iter();
     let touches = touches
         .filter(|of| of.contact == grazed.contact)
-        .map(|of| (off(begins[of.step] + of.time), of));
+        .map(|of| (off(begins[of.step] + of.least.time), of));
     let touch = touches.min_by(|a, b| a.0.total_cmp(&b.0));
     match (impact, touch) {
         (Some((late, index)), touch) if touch.as_ref().is_none_or(|(off, _)| late <= *off) => {

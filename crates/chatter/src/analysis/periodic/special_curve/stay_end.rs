@@ -7,7 +7,7 @@
 
 use super::follower::{Follower, Stop};
 use crate::analysis::continuation::{Condition as Row, Curve, Problem, Station, newton};
-use crate::analysis::periodic::branch::{End, SpecialKind, VANISHED};
+use crate::analysis::periodic::branch::{End, SpecialKind, VANISHED, interpolated, moved};
 use crate::analysis::periodic::condition::{Bordered, Condition};
 
 /// The longest of the stays that are extrapolated from, in parts of the period; each of the others takes half as long as the one before.
@@ -20,18 +20,6 @@ const GROWS: f64 = 4.0;
 /// What is known no better, in parts of the solution's size, is no end of the curve.
 const KNOWN: f64 = 1e-6;
 
-/// The value at zero of the polynomial through such points.
-fn at_zero(points: &[(f64, f64)]) -> f64 {
-    let mut all: Vec<f64> = points.iter().map(|&(_, y)| y).collect();
-    for order in 1..points.len() {
-        for i in 0..points.len() - order {
-            let (near, far) = (points[i + order].0, points[i].0);
-            all[i] = (far * all[i + 1] - near * all[i]) / (far - near);
-        }
-    }
-    all.first().copied().unwrap_or(f64::NAN)
-}
-
 impl Follower {
     /// The end of the curve, where a stay has all but come to nothing at a station on its way.
     pub(super) fn ends_with_stay(
@@ -43,11 +31,7 @@ impl Follower {
             return None;
         }
         self.shooting.evaluate(&station.at).ok()?;
-        let first = self.shooting.shortest_stay()?;
-        let place = self.shooting.duration_place(self.shooting.after(first))?;
-        if station.at[place] > VANISHED * self.shooting.period() {
-            return None;
-        }
+        let (first, place) = self.shooting.stay_that_vanishes(&station.at)?;
         let (at, off) = self.without_time(&curve.station, place, bordered)?;
         // Told of the orbit without the stay.
         self.shooting.evaluate(&station.at).ok()?;
@@ -79,52 +63,38 @@ impl Follower {
         let longest = LONGEST * period;
         let slope = from.tangent[place];
         // The way up to the longest one, along the curve.
-        let mut lasts = from.at[place];
-        let mut along: Vec<f64> = from.tangent.iter().map(|by| by / slope).collect();
-        let (mut at, mut known) = (from.at.clone(), bordered.clone());
-        while lasts != longest {
-            let next = longest.min(GROWS * lasts.max(VANISHED * period));
-            let by = next - lasts;
-            let guess: Vec<f64> = at.iter().zip(&along).map(|(x, s)| x + by * s).collect();
-            let (found, anew) = self.with_lasting(&guess, (place, next), &known)?;
-            along = (found.iter().zip(&at)).map(|(a, b)| (a - b) / by).collect();
-            (at, known, lasts) = (found, anew, next);
+        let mut here = Lasting {
+            time: from.at[place],
+            at: from.at.clone(),
+            along: from.tangent.iter().map(|by| by / slope).collect(),
+            bordered: bordered.clone(),
+        };
+        while here.time != longest {
+            let next = longest.min(GROWS * here.time.max(VANISHED * period));
+            here = self.on_to(&here, (place, next))?;
         }
-        let mut all = vec![(lasts, at)];
+        let mut all = vec![here];
         for halves in 1..STAYS {
             let next = longest * 0.5_f64.powi(halves);
-            let (lasts, at) = all.last()?;
-            let guess: Vec<f64> = (at.iter().zip(&along))
-                .map(|(x, s)| x + (next - lasts) * s)
-                .collect();
-            let Some((found, anew)) = self.with_lasting(&guess, (place, next), &known) else {
-                break;
-            };
-            along = (found.iter().zip(at))
-                .map(|(a, b)| (a - b) / (next - lasts))
-                .collect();
-            known = anew;
-            all.push((next, found));
+            match self.on_to(all.last()?, (place, next)) {
+                Some(shorter) => all.push(shorter),
+                None => break,
+            }
         }
         let scales = self.shooting.scales().to_vec();
-        let extrapolated = |part: &[(f64, Vec<f64>)]| -> Vec<f64> {
+        let extrapolated = |part: &[Lasting]| -> Vec<f64> {
+            let times: Vec<f64> = part.iter().map(|lasting| lasting.time).collect();
             let value = |i: usize| {
-                let points: Vec<(f64, f64)> = part.iter().map(|(x, y)| (*x, y[i])).collect();
-                at_zero(&points)
+                let values: Vec<f64> = part.iter().map(|lasting| lasting.at[i]).collect();
+                interpolated(&times, &values, 0.0)
             };
             (0..scales.len()).map(value).collect()
-        };
-        let apart = |one: &[f64], other: &[f64]| {
-            let parts = one.iter().zip(other).zip(&scales);
-            parts.fold(0.0_f64, |most, ((a, b), scale)| {
-                most.max(((a - b) / scale).abs())
-            })
         };
         // The longest tells what the polynomial leaves out, the shortest what is rounding.
         let ends = all.windows(AT_A_TIME).map(|part| {
             let end = extrapolated(part);
             let fewer = [&part[1..], &part[..part.len() - 1]].map(extrapolated);
-            let off = fewer.iter().map(|other| apart(other, &end));
+            let off = fewer.iter().map(|other| moved(other, &end, &scales));
             let off = off.fold(0.0, f64::max);
             (end, off)
         });
@@ -134,22 +104,36 @@ impl Follower {
         // Chance makes one difference small: those beside it have to agree.
         let beside = [least.checked_sub(1), Some(least + 1)];
         let beside = beside.into_iter().flatten().filter_map(|k| ends.get(k));
-        let off = beside.fold(off, |most, (other, _)| most.max(apart(other, &end)));
+        let off = beside.fold(off, |most, (other, _)| {
+            most.max(moved(other, &end, &scales))
+        });
         end[place] = 0.0;
         (off <= KNOWN).then_some((end, off))
     }
 
-    /// The curve where a stay takes so long.
-    fn with_lasting(
-        &mut self,
-        guess: &[f64],
-        (place, lasts): (usize, f64),
-        known: &Bordered,
-    ) -> Option<(Vec<f64>, Bordered)> {
-        let row = Row::fixed(guess.len(), place, lasts);
+    /// On from where a stay takes one time to where it takes another.
+    fn on_to(&mut self, from: &Lasting, (place, time): (usize, f64)) -> Option<Lasting> {
+        let by = time - from.time;
+        let parts = from.at.iter().zip(&from.along);
+        let guess: Vec<f64> = parts.map(|(x, slope)| x + by * slope).collect();
+        let row = Row::fixed(guess.len(), place, time);
         let rows = core::slice::from_ref(&row);
-        let found = newton(&mut known.of(&mut self.shooting), guess, rows).ok()?;
-        let anew = (self.condition).near(&mut self.shooting, &found.at, Some(known));
-        Some((found.at, anew.ok()?))
+        let found = newton(&mut from.bordered.of(&mut self.shooting), &guess, rows).ok()?;
+        let bordered = (self.condition).near(&mut self.shooting, &found.at, Some(&from.bordered));
+        let moves = found.at.iter().zip(&from.at);
+        Some(Lasting {
+            time,
+            along: moves.map(|(to, from)| (to - from) / by).collect(),
+            bordered: bordered.ok()?,
+            at: found.at,
+        })
     }
+}
+
+/// The curve where a stay takes a time, how its unknowns change with that, and what is held.
+struct Lasting {
+    time: f64,
+    at: Vec<f64>,
+    along: Vec<f64>,
+    bordered: Bordered,
 }

@@ -1,5 +1,6 @@
 //! What is special on a branch is so whatever the steps, from whichever of its orbits it is followed, at whatever section it is told.
 
+use super::steps::KICKED;
 use crate::periodic::with;
 use chatter::analysis::periodic::{
     Beside, Branch, BranchSpec, End, Limits, Spec, SpecialKind, branches,
@@ -514,12 +515,14 @@ fn limits_hold_where_a_branch_begins() {
 /// from the speed 1 (in 30 digits by mpmath).
 #[test]
 fn a_branch_whose_orbits_grow_without_bound_says_where() {
-    const KICK: &str = "[parameters]\nk = 0.5\n[flight]\nx = 'v'\nv = '-x - 0.2039*v'\nu = '0.2397*x - 0.2835*u'\n\
-        [[event]]\nname = 'kick'\nsurface = 'x'\ndirection = 'rising'\nreset = { v = 'v + k*(1 - u)' }\n\
-        [[contact]]\nname = 'up'\ngap = '0.5043 - x'\nimpulse = { v = -1 }\nrestitution = 0.7877\n\
-        [initial]\nx = 0.2\nv = 0.1\nu = 0\n";
     for step in [0.1, 0.2] {
-        let found = follow(&with(KICK, &[]), ("k", (0.4, 2.0)), step, &Spec::default()).unwrap();
+        let found = follow(
+            &with(KICKED, &[]),
+            ("k", (0.4, 2.0)),
+            step,
+            &Spec::default(),
+        )
+        .unwrap();
         let grown = found.ends.iter().find_map(|end| match end {
             End::Growth(growth) => Some(growth),
             _ => None,

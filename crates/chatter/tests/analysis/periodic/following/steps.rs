@@ -317,14 +317,16 @@ v = 0.1
     }
 }
 
+/// A kick whose strength is a state drives a mass against a stop.
+pub(super) const KICKED: &str = "[parameters]\nk = 0.5\n[flight]\nx = 'v'\nv = '-x - 0.2039*v'\nu = '0.2397*x - 0.2835*u'\n\
+    [[event]]\nname = 'kick'\nsurface = 'x'\ndirection = 'rising'\nreset = { v = 'v + k*(1 - u)' }\n\
+    [[contact]]\nname = 'up'\ngap = '0.5043 - x'\nimpulse = { v = -1 }\nrestitution = 0.7877\n\
+    [initial]\nx = 0.2\nv = 0.1\nu = 0\n";
+
 /// A kick drives a mass against a stop ever faster: the orbit grows to 500 times its size, and a step against what it was at first would go ever
 /// less far.
 #[test]
 fn steps_grow_with_the_orbit() {
-    const KICKED: &str = "[parameters]\nk = 0.5\n[flight]\nx = 'v'\nv = '-x - 0.2039*v'\nu = '0.2397*x - 0.2835*u'\n\
-        [[event]]\nname = 'kick'\nsurface = 'x'\ndirection = 'rising'\nreset = { v = 'v + k*(1 - u)' }\n\
-        [[contact]]\nname = 'up'\ngap = '0.5043 - x'\nimpulse = { v = -1 }\nrestitution = 0.7877\n\
-        [initial]\nx = 0.2\nv = 0.1\nu = 0\n";
     for k in ["0.5", "1.15"] {
         let found = over(&with(KICKED, &[("k", k)]), "k", (0.1, 1.2), (6, 0.04));
         let branch = &found[0];

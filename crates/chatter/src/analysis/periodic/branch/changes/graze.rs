@@ -9,7 +9,6 @@ use crate::analysis::periodic::branch::{Point, Special, SpecialKind};
 use crate::analysis::periodic::condition::Bordered;
 use crate::analysis::periodic::orbit::shorter;
 use crate::analysis::periodic::shooting::{Exchanged, Shooting, station_after};
-use crate::expressions::Symbol;
 use crate::flow::GuardKind;
 use crate::flow::leg::Least;
 
@@ -321,18 +320,7 @@ impl Walker {
         let (Some(touch), true) = (touch, follows) else {
             return true;
         };
-        let workshop = self.shooting.workshop.clone();
-        let parameters = workshop.parameters(self.shooting.free(&station.at));
-        let start = self.shooting.node(&station.at, index);
-        let mut graph = workshop.model.graph.clone();
-        let gap = workshop.model.contacts[contact].gap;
-        let (mut rate, mut terms) = (0.0, 0.0);
-        for (i, state) in workshop.model.states.iter().enumerate() {
-            let slope = graph.derivative(gap, Symbol::State(i));
-            let slope = graph.evaluate(slope, start, &parameters);
-            rate += slope * graph.evaluate(state.derivative, start, &parameters);
-            terms += (slope * start[i]).abs();
-        }
+        let (rate, terms) = self.shooting.gap_rate(&station.at, (index, contact));
         // From zero with this rate, and back to where both vanish: a cubic.
         let height = 4.0 / 27.0 * (rate * touch.time).abs();
         height.is_nan() || height > LEAST_HEIGHT * f64::EPSILON * terms

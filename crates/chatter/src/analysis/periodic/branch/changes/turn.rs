@@ -121,25 +121,28 @@ impl Shooting<f64> {
         let Some(least) = gaps.min_by(|a, b| a.value.total_cmp(&b.value)) else {
             return false;
         };
-        let falls = self.gap_rate(at, (self.after(index), contact)) * landing.duration;
+        let (rate, _) = self.gap_rate(at, (self.after(index), contact));
+        let falls = rate * landing.duration;
         self.turns(index)
             && landing.duration - least.time <= NOT_QUITE * landing.duration
             && falls.abs() <= NO_RATE * least.size.max(falls.abs())
     }
 
-    /// The rate of a gap where a step begins.
-    fn gap_rate(&self, at: &[f64], (index, contact): (usize, usize)) -> f64 {
+    /// The rate of a gap where a step begins, and the size of what the gap is the sum of there.
+    pub(super) fn gap_rate(&self, at: &[f64], (index, contact): (usize, usize)) -> (f64, f64) {
         let model = &self.workshop.model;
         let parameters = self.workshop.parameters(self.free(at));
         let start = self.node(at, index);
         let mut graph = model.graph.clone();
         let gap = model.contacts[contact].gap;
-        let states = model.states.iter().enumerate();
-        states.fold(0.0, |rate, (state, of)| {
+        let (mut rate, mut terms) = (0.0, 0.0);
+        for (state, of) in model.states.iter().enumerate() {
             let slope = graph.derivative(gap, Symbol::State(state));
             let slope: f64 = graph.evaluate(slope, start, &parameters);
-            rate + slope * graph.evaluate(of.derivative, start, &parameters)
-        })
+            rate += slope * graph.evaluate(of.derivative, start, &parameters);
+            terms += (slope * start[state]).abs();
+        }
+        (rate, terms)
     }
 }
 

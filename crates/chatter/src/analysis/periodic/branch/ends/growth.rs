@@ -58,8 +58,6 @@ const POWERS: u8 = 4;
 /// Sizes of the orbits that it is told from have this ratio, and there are so many.
 const RATIO: f64 = 2.0;
 const ORDER: usize = 6;
-/// A value is known to so many roundoffs of the parameter.
-const ROUNDOFFS: f64 = 64.0;
 
 /// How a state, by its place, has grown at the end of a side of a branch, if it does without bound.
 pub(in crate::analysis::periodic::branch) fn growth(
@@ -76,8 +74,7 @@ pub(in crate::analysis::periodic::branch) fn growth(
     let powers = |order: usize| (1..order as i32).collect::<Vec<i32>>();
     let [value, other] = [ORDER, ORDER - 1].map(|order| limit(&run, &powers(order), RATIO));
     let (value, other) = (value?, other?);
-    let rounding = ROUNDOFFS * f64::EPSILON * value.abs().max(last.parameter().abs());
-    let error = (value - other).abs() + rounding;
+    let error = (value - other).abs() + run.rounding(value);
     let power = run.power(value, RATIO)?;
     let known = (1..=POWERS).find(|&known| (power - f64::from(known)).abs() < SAME_POWER)?;
     (error < KNOWN * scale).then(|| Growth {

@@ -95,11 +95,10 @@ pub(in crate::analysis::periodic::branch) fn unbounded(
     }
     let (value, error, law) = logarithm(&run, scale)
         .or_else(|| inverse_root(&run).filter(|(_, error, _)| *error < scale))?;
-    let rounding = ROUNDOFFS * f64::EPSILON * value.abs().max(last.parameter().abs());
     Some(Unbounded {
         name: name.to_owned(),
         value,
-        error: error + rounding,
+        error: error + run.rounding(value),
         period: last.period,
         law,
     })
@@ -143,6 +142,12 @@ impl<'p> Series<'p> {
     fn with(&self, value: f64) -> Option<&'p Point> {
         let place = (self.points).partition_point(|point| self.of(point) < value);
         self.points.get(place.min(self.points.len() - 1))
+    }
+
+    /// What a value that the parameter comes to is known to at best.
+    pub(super) fn rounding(&self, value: f64) -> f64 {
+        let last = self.points.last().map_or(0.0, Point::parameter);
+        ROUNDOFFS * f64::EPSILON * value.abs().max(last.abs())
     }
 
     /// The power of one over the measure by which the parameter comes to a value, from the last point and one with so many times less.
