@@ -149,6 +149,7 @@ impl Column {
         let keep = spec.keep.min(RESERVED) as usize;
         self.samples.reserve(keep * sweep.observables.len());
         self.ways.reserve(keep);
+        self.tail.reserve(keep);
     }
 
     /// What sizes the coordinates have: at all returns, where the orbit started, where orbits of the map start, and on the way of

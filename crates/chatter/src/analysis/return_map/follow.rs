@@ -11,6 +11,7 @@ use crate::flow::{
 };
 use crate::numerics::{DoubleDouble, WithTerms, two_sum};
 use core::sync::atomic::AtomicBool;
+use std::sync::Mutex;
 
 /// Into so many parts is the time that a return may take divided, so that an orbit that never returns can be called off
 /// between them.
@@ -75,29 +76,33 @@ pub(super) fn on_the_way(
 ) -> Vec<f64> {
     let every: Vec<usize> = (0..parameters.len()).collect();
     let mut nobody = |_: Arrival<'_>| Command::Retire;
-    let mut follower = Follower::new(map, &every, &mut nobody);
-    let start = Start {
-        swept: parameters.to_vec(),
-        origin: Origin::Image(point.to_vec()),
-    };
-    let mut states = Vec::new();
-    let Some((_, mut trajectory)) = follower.begin(0, &start) else {
-        return states;
-    };
-    trajectory.set_horizon_parts(two_sum(trajectory.time(), duration));
-    for _ in 0..MOST_SHOWN {
-        let told = trajectory.advance_to_horizon(&map.system, &mut follower.work);
-        if told.is_err() {
-            break;
-        }
-        states.extend(trajectory.state());
-        if let Ok(Some(Occurrence::Horizon)) = told {
-            break;
+    let work = map.spare.take().unwrap_or_else(|| map.workspace());
+    let mut follower = Follower::with(map, &every, &mut nobody, work);
+    let states = follower.shown(parameters, point, duration);
+    map.spare.put(follower.work);
+    states
+}
+
+/// A workspace for one short way after the other: what it has compiled is of use for the next one.
+#[derive(Debug, Default)]
+pub(super) struct Spare(Mutex<Option<Workspace<f64>>>);
+
+impl Spare {
+    fn take(&self) -> Option<Workspace<f64>> {
+        self.0.lock().map_or(None, |mut work| work.take())
+    }
+
+    fn put(&self, work: Workspace<f64>) {
+        if let Ok(mut place) = self.0.lock() {
+            *place = Some(work);
         }
     }
-    let rates = trajectory.rates(&map.system).into_iter().flatten();
-    states.extend(rates.map(|rate| rate.terms * duration));
-    states
+}
+
+impl Clone for Spare {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
 }
 
 impl<'m, 'v> Follower<'m, 'v> {
@@ -106,9 +111,18 @@ impl<'m, 'v> Follower<'m, 'v> {
         swept: &'m [usize],
         visit: &'v mut dyn FnMut(Arrival<'_>) -> Command,
     ) -> Self {
+        Self::with(map, swept, visit, map.workspace())
+    }
+
+    fn with(
+        map: &'m ReturnMap,
+        swept: &'m [usize],
+        visit: &'v mut dyn FnMut(Arrival<'_>) -> Command,
+        work: Workspace<f64>,
+    ) -> Self {
         let is_tangent = map.system.dimension() > map.system.coordinates();
         Self {
-            work: map.system.workspace(&map.settings),
+            work,
             scratch: Vec::new(),
             is_tangent,
             impacts_forget: is_tangent && map.model.contacts.iter().any(impacts_may_forget),
@@ -116,6 +130,33 @@ impl<'m, 'v> Follower<'m, 'v> {
             swept,
             visit,
         }
+    }
+
+    /// See [`on_the_way`].
+    fn shown(&mut self, parameters: &[f64], point: &[f64], duration: f64) -> Vec<f64> {
+        let start = Start {
+            swept: parameters.to_vec(),
+            origin: Origin::Image(point.to_vec()),
+        };
+        let mut states = Vec::new();
+        let Some((_, mut trajectory)) = self.begin(0, &start) else {
+            return states;
+        };
+        let system = &self.map.system;
+        trajectory.set_horizon_parts(two_sum(trajectory.time(), duration));
+        for _ in 0..MOST_SHOWN {
+            let told = trajectory.advance_to_horizon(system, &mut self.work);
+            if told.is_err() {
+                break;
+            }
+            states.extend(trajectory.state());
+            if let Ok(Some(Occurrence::Horizon)) = told {
+                break;
+            }
+        }
+        let rates = trajectory.rates(system).into_iter().flatten();
+        states.extend(rates.map(|rate| rate.terms * duration));
+        states
     }
 
     pub(super) fn run(mut self, starts: &[Start], stop: &AtomicBool) {
@@ -439,8 +480,11 @@ impl<'m, 'v> Follower<'m, 'v> {
         orbit.passage = self.setting_out(trajectory);
         self.set_horizon(orbit, trajectory);
         let point = told.as_deref().unwrap_or(trajectory.state());
-        let command = self.arrive(orbit, point, Ok(passage));
-        self.obey(orbit, trajectory, (command, false))
+        // A command is only moved where there is something to obey: of the wide load of what was just written narrowly a return would wait.
+        match self.arrive(orbit, point, Ok(passage)) {
+            Command::Continue => Next::Continue,
+            command => self.obey(orbit, trajectory, (command, false)),
+        }
     }
 
     /// What is known of the way to the next return before it begins.
@@ -529,7 +573,6 @@ impl<'m, 'v> Follower<'m, 'v> {
     }
 
     /// Does what the visitor says of an orbit that has come to a point, or has failed to.
-    #[inline]
     fn obey(
         &mut self,
         orbit: &mut Orbit,

@@ -25,10 +25,10 @@ use crate::analysis::map::{
     next_of_follow,
 };
 use crate::analysis::simulate::check_tolerance;
-use crate::flow::{Settings, System};
+use crate::flow::{Settings, System, Workspace};
 use crate::model::Model;
 use core::sync::atomic::AtomicBool;
-use follow::Follower;
+use follow::{Follower, Spare};
 use look::Look;
 use phases::Phases;
 use tangent::TangentReturnMap;
@@ -43,6 +43,7 @@ pub struct ReturnMap {
     phases: Phases,
     longest_return: f64,
     most_impacts: u64,
+    spare: Spare,
 }
 
 impl ReturnMap {
@@ -75,12 +76,17 @@ impl ReturnMap {
             phases,
             longest_return: spec.longest_return,
             most_impacts: spec.most_impacts,
+            spare: Spare::default(),
         })
     }
 
     /// The model, with the sections that are looked at.
     pub fn model(&self) -> &Model {
         &self.model
+    }
+
+    fn workspace(&self) -> Workspace<f64> {
+        self.system.workspace(&self.settings)
     }
 
     /// The time from look to look at these parameters, if that is fixed.

@@ -131,31 +131,38 @@ impl Embedding {
 
     #[inline(always)]
     fn find_nearest(&self, to: usize, among: Range<usize>) -> Option<(f64, usize)> {
-        let mut nearest: Option<(f64, usize)> = None;
-        let mut least = f64::INFINITY;
-        for first in among.clone().step_by(ABREAST) {
-            let others = first..among.end.min(first + ABREAST);
-            let squares = self.squared_distances(to, others.clone());
+        let blocks = || among.clone().step_by(ABREAST);
+        let others = |first: usize| first..among.end.min(first + ABREAST);
+        let mut least = [f64::INFINITY; ABREAST];
+        for first in blocks() {
+            let mut squares = self.squared_distances(to, others(first));
+            if others(first).contains(&to) {
+                squares[to - first] = f64::INFINITY;
+            }
+            for (least, square) in least.iter_mut().zip(squares) {
+                *least = if square < *least { square } else { *least };
+            }
+        }
+        let least = least.into_iter().fold(f64::INFINITY, f64::min);
+        let distance = least.sqrt();
+        // Squares that differ may have one root.
+        let bound = least * (1.0 + 8.0 * f64::EPSILON);
+        for first in blocks() {
+            let squares = self.squared_distances(to, others(first));
             let mut any = false;
             for square in squares {
-                any |= square <= least;
+                any |= square <= bound;
             }
             if !any {
                 continue;
             }
-            for (other, square) in others.zip(squares) {
-                if square > least || other == to {
-                    continue;
-                }
-                // Squares that differ may have one root.
-                let distance = square.sqrt();
-                if nearest.is_none_or(|(nearest, _)| distance.total_cmp(&nearest).is_lt()) {
-                    nearest = Some((distance, other));
-                    least = square;
-                }
+            let mut pairs = others(first).zip(squares);
+            let found = pairs.find(|&(other, square)| other != to && square.sqrt() == distance);
+            if let Some((other, _)) = found {
+                return Some((distance, other));
             }
         }
-        nearest
+        None
     }
 
     /// The squares of the distances of a vector from a few that follow each other. What is beyond these is as far as can be.
@@ -253,4 +260,39 @@ impl Kernel for Nearest<'_> {
 fn squared_distance(a: &[f64], b: &[f64]) -> f64 {
     let pairs = a.iter().zip(b);
     pairs.map(|(x, y)| (x - y) * (x - y)).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_is_the_first_of_those_at_the_least_distance() {
+        let mut seed = 1_u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005);
+            seed = seed.wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        // On a coarse lattice most points have several others at one distance; places that are no numbers are near to none.
+        for (count, lattice) in [(1, 1e9), (2, 1e9), (70, 1e9), (70, 4.0), (300, 9.0)] {
+            let mut column = || {
+                let values = (0..count).map(|_| (lattice * random()).floor() / lattice);
+                values.collect::<Vec<f64>>()
+            };
+            let mut columns = vec![column(), column()];
+            columns[0].extend([f64::NAN, 0.5, 0.5]);
+            columns[1].extend([0.5, f64::NAN, f64::INFINITY]);
+            let points = Embedding::of(columns);
+            for to in 0..count {
+                for among in [0..points.len(), count / 3..count, to..to + 1, 5..5] {
+                    let others = among.clone().filter(|&other| other != to);
+                    let distances = others.map(|other| (points.distance(to, other), other));
+                    let told = distances.filter(|(distance, _)| !distance.is_nan());
+                    let nearest = told.min_by(|a, b| a.0.total_cmp(&b.0));
+                    assert_eq!(points.nearest(to, among), nearest);
+                }
+            }
+        }
+    }
 }

@@ -20,6 +20,12 @@ impl Tail {
         }
     }
 
+    /// Makes room for so many points at once.
+    pub fn reserve(&mut self, points: usize) {
+        let points = points.min(self.wanted.saturating_mul(2));
+        self.points.reserve(points * self.dimension);
+    }
+
     /// The orbit has come to another point.
     pub fn push(&mut self, point: &[f64]) {
         // Half of the room is emptied at once, so that each point is moved at most once.
