@@ -339,6 +339,22 @@ fn steps_grow_with_the_orbit() {
     }
 }
 
+/// From an orbit that is twenty thousand times as large, beside which one of the size of the model is a point.
+#[test]
+fn a_fold_is_told_from_orbits_however_large() {
+    const MODEL: &str = "[parameters]\nk = 0.5\n[flight]\nx = 'v'\nv = '-x - 0.0860*v'\nu = '0.4614*x - 0.4652*u'\n\
+        [[event]]\nname = 'kick'\nsurface = 'x'\ndirection = 'rising'\nreset = { v = 'v + k*(1 - u)' }\n\
+        [[contact]]\nname = 'up'\ngap = '0.5784 - x'\nimpulse = { v = -1 }\nrestitution = 0.7802\n";
+    let small = "[initial]\nx = 0.2\nv = 0.1\nu = 0\n";
+    let large = "[initial]\nx = 0.5784\nv = -8399.518525518162\nu = -4737.6505648009725\n";
+    for (initial, k) in [(small, "0.15"), (large, "0.7235466103289692")] {
+        let model = with(&format!("{MODEL}{initial}"), &[("k", k)]);
+        let found = over(&model, "k", (0.1, 0.72355), (6, 0.1));
+        let fold = nearest(&found, &[SpecialKind::Fold], 0.1238);
+        assert!((value(&fold) - 0.123_828_428_571_031_57).abs() < 1e-14);
+    }
+}
+
 /// A multiplier passes -1 by 8e-4 and comes back, within one step: both doublings are told. (Where they are, by steps a third as long.)
 #[test]
 fn a_multiplier_that_passes_and_comes_back_within_a_step_is_told() {

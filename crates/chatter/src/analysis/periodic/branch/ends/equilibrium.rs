@@ -101,26 +101,57 @@ impl Shooting<f64> {
     /// Whether an orbit has shrunk to a point: all its nodes, and where its flights are half over. Phases turn on where friction comes to
     /// hold all else.
     pub(in crate::analysis::periodic::branch) fn has_shrunk(&mut self, at: &[f64]) -> bool {
-        let origin = self.node(at, 0).to_vec();
-        let is_near = |state: &[f64]| self.is_one_place(state, &origin);
         let parameters = self.workshop.parameters(self.free(at));
-        (0..self.steps.len()).all(|index| {
+        let halfway = |index: usize| {
             let step = &self.steps[index];
-            let (Some(kind), Some(place)) = (step.flight(), self.duration_place(index)) else {
-                return false;
-            };
+            let (kind, place) = (step.flight()?, self.duration_place(index)?);
             let flight = LegKind {
                 ends_at: None,
                 jump: Jump::None,
                 ..kind
             };
-            let Some(leg) = self.workshop.leg(flight) else {
-                return false;
-            };
+            let leg = self.workshop.leg(flight)?;
             let all = self.parameters_of(&parameters, step);
             let (node, half) = (self.node(at, index), 0.5 * at[place]);
             let landing = leg.fly(&mut leg.flyer(&Settings::default()), &all, node, half);
-            is_near(node) && landing.is_ok_and(|landing| is_near(&landing.image))
+            Some(landing.ok()?.image)
+        };
+        let is_near = |state: &Vec<f64>| self.is_one_place(state, self.node(at, 0));
+        let steps = 0..self.steps.len();
+        let mut places: Vec<Vec<f64>> =
+            (steps.clone().map(|index| self.node(at, index).to_vec())).collect();
+        if !places.iter().all(is_near) {
+            return false;
+        }
+        let Some(halfway) = steps.map(halfway).collect::<Option<Vec<_>>>() else {
+            return false;
+        };
+        places.extend(halfway);
+        places.iter().all(is_near) && !self.leaves_walls(at, &places)
+    }
+
+    /// Whether an orbit leaves a wall by no small part of how far that is from the origin: a length of the model, beside which it is no point however
+    /// large others on its branch are.
+    fn leaves_walls(&self, at: &[f64], places: &[Vec<f64>]) -> bool {
+        let (model, sizes) = (&self.workshop.model, self.state_sizes());
+        let stays = |state: usize| {
+            !(self.workshop.closure.is_idle(state) || self.workshop.closure.is_phase(state))
+        };
+        self.steps.iter().enumerate().any(|(index, step)| {
+            let Some(contact) = step.impact() else {
+                return false;
+            };
+            let node = self.node(at, (index + 1) % self.steps.len());
+            let symbols = model.graph.symbols(model.contacts[contact].gap);
+            symbols.into_iter().any(|symbol| match symbol {
+                Symbol::State(state) if stays(state) => {
+                    let wall = node[state];
+                    let is_told = wall.abs() > SHRUNK * SHRUNK * sizes[state];
+                    is_told
+                        && (places.iter()).any(|at| (at[state] - wall).abs() > SHRUNK * wall.abs())
+                }
+                _ => false,
+            })
         })
     }
 
