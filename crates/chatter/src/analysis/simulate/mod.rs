@@ -177,6 +177,10 @@ pub fn simulate_into<R: Real>(
             }
         }
         steps += 1;
+        let within = recorder.within_sequence(&system, &mut work, &trajectory, sink);
+        if within.is_break() {
+            break Outcome::Interrupted;
+        }
         let occurrence = match trajectory.advance(&system, &mut work, until) {
             Ok(occurrence) => occurrence,
             // What a root is taken of may have been nothing but for rounding: only a step tells.

@@ -71,6 +71,23 @@ impl<R: Real> Recorder<R> {
         goes_on
     }
 
+    /// Takes the samples that are due before a sequence ends of which no more impacts are followed.
+    pub(super) fn within_sequence(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        trajectory: &Trajectory<R>,
+        sink: &mut dyn Sink<R>,
+    ) -> ControlFlow<()> {
+        let Some((on, end)) = trajectory.within_sequence() else {
+            return ControlFlow::Continue(());
+        };
+        for (list, sampler) in self.samplers.iter_mut().enumerate() {
+            sampler.within_sequence((system, work), on.clone(), end, (list, sink))?;
+        }
+        ControlFlow::Continue(())
+    }
+
     /// Opens and ends contact phases where the set of closed contacts has changed.
     pub(super) fn follow_phases(
         &mut self,

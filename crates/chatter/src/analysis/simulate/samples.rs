@@ -2,7 +2,7 @@
 
 use super::sink::Sink;
 use super::spec::Sampling;
-use crate::flow::{Closed, Dense, Trajectory};
+use crate::flow::{Closed, Dense, Occurrence, System, Trajectory, Workspace};
 use crate::numerics::{DoubleDouble, Real};
 use core::ops::ControlFlow;
 
@@ -75,6 +75,9 @@ const FEWEST_IN_STEP: f64 = 4.0;
 
 /// A picture needs no more samples than this.
 const MOST_IN_PICTURE: usize = 500_000;
+
+/// So many steps at most lead from a sample within a sequence to the next: more than its impacts that are longer than rounding.
+const MOST_WITHIN: usize = 1 << 20;
 
 /// Samples that are handed over at once.
 const BLOCK: usize = 1024;
@@ -196,6 +199,45 @@ impl<R: Real> Sampler<R> {
             }
         }
         self.hand_over(list, BLOCK, sink)
+    }
+
+    /// Samples a trajectory that follows the impacts of a sequence on, as far as they are due before its end.
+    pub(super) fn within_sequence(
+        &mut self,
+        (system, work): (&System, &mut Workspace<R>),
+        mut on: Trajectory<R>,
+        end: R,
+        (list, sink): (usize, &mut dyn Sink<R>),
+    ) -> ControlFlow<()> {
+        while let Some(due) = self.due() {
+            let time = R::from_double_double(due);
+            if time >= end {
+                break;
+            }
+            let rest = due - time.to_double_double();
+            // From the latest impact to each, as if the run ended there.
+            let mut from = on.clone();
+            from.set_horizon_parts((time, R::from_double_double(rest)));
+            let comes_there =
+                (0..MOST_WITHIN).find_map(|_| match from.advance_to_horizon(system, work) {
+                    Ok(Some(Occurrence::Horizon)) => Some(true),
+                    Ok(Some(_)) => {
+                        on = from.clone();
+                        None
+                    }
+                    Ok(None) => None,
+                    Err(_) => Some(false),
+                });
+            // What goes wrong on the way is the run's to say, if it comes there.
+            if comes_there != Some(true) {
+                break;
+            }
+            self.taken += 1;
+            let state = from.state();
+            (self.samples).push(time, from.closed(), |index| state[index]);
+            self.hand_over(list, BLOCK, sink)?;
+        }
+        ControlFlow::Continue(())
     }
 
     /// When the next sample is due, where that is known beforehand.

@@ -416,6 +416,41 @@ fn samples_are_where_they_should_be() {
     );
 }
 
+/// No impacts are followed to the end of chatter, but samples are those of the motion up to it: flights begin 2^-m before it, with the rate of 2^(1 - m).
+#[test]
+fn samples_within_chatter_are_in_flight() {
+    let ball = model(BALL, &[("r", "0.5"), ("g", "8"), ("y", "4")]);
+    let before: Vec<f64> = (0..22).map(|m| 0.5_f64.powi(m)).collect();
+    let times: Vec<f64> = before.iter().map(|d| 3.0 - 0.75 * d).collect();
+    let mut spec = Spec::until(3.5);
+    spec.sampling = vec![
+        Sampling::At(times.iter().map(|&time| time.into()).collect()),
+        Sampling::Every(DoubleDouble::from(0.5_f64.powi(20))),
+    ];
+    let simulation = run::<f64>(&ball, &spec);
+    assert!(simulation.counts.impacts < 20 && simulation.counts.accumulations == 1);
+    let [at, every] = &simulation.samples[..] else {
+        panic!("{:?}", simulation.samples.len())
+    };
+    assert_eq!((at.len(), every.len()), (22, (7 << 19) + 1));
+    for (k, d) in before.iter().enumerate() {
+        assert_eq!(at.times[k], times[k]);
+        // A quarter of this into a flight of half of it.
+        let (y, v) = (0.25 * d * d, 0.0);
+        assert!((at.states[0][k] - y).abs() < 1e-15 * d.max(1e-3), "{k}");
+        assert!((at.states[1][k] - v).abs() < 1e-14, "{k}");
+    }
+    for (&time, &y) in every.times.iter().zip(&every.states[0]) {
+        let left = 3.0 - time;
+        assert!(time < 1.0 || left <= 0.0 || y > 0.0 || libm::log2(left).fract() == 0.0);
+    }
+    // As they are where the run ends there.
+    let mut spec = Spec::until(times[16]);
+    spec.sampling = Vec::new();
+    let there = run::<f64>(&ball, &spec);
+    assert_eq!(there.state, [at.states[0][16], at.states[1][16]]);
+}
+
 #[test]
 fn every_stop_stops() {
     let ball = model(BALL, &[]);

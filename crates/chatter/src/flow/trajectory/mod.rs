@@ -257,6 +257,16 @@ impl<R: Real> Trajectory<R> {
             || self.remaining() <= R::ZERO
     }
 
+    /// Where no more impacts of a sequence are followed: the same trajectory as it follows them on, and the time of the sequence's end.
+    pub(crate) fn within_sequence(&self) -> Option<(Self, R)> {
+        let (_, end) = self.completion.as_ref()?;
+        let on = Self {
+            completion: None,
+            ..self.clone()
+        };
+        Some((on, self.time + end.after))
+    }
+
     /// Whether the next step asks for more than its row in a vector would hold.
     pub(crate) fn steps_alone(&self) -> bool {
         self.known_gap.is_some()

@@ -482,7 +482,11 @@ fn a_period_that_grows_as_an_inverse_root_is_told_with_where_it_ends() {
         panic!("{unbounded:?}");
     };
     let expected = core::f64::consts::TAU / 2.0_f64.sqrt();
-    assert!((factor - expected).abs() < 1e-2 * expected, "{unbounded:?}");
+    let off = (factor - expected).abs();
+    assert!(
+        off <= unbounded.law_error && off < 1e-3 * expected,
+        "{unbounded:?}"
+    );
 }
 
 /// A thermostat with one lag: x falls to its lower threshold ref - h as exp(-t), for ever if that is zero.
@@ -505,5 +509,30 @@ fn a_period_that_grows_as_a_logarithm_is_told_with_where_it_ends() {
             panic!("{unbounded:?}");
         };
         assert!((rate - 1.0).abs() < 1e-3, "{unbounded:?}");
+    }
+}
+
+/// x grows as exp(k t) from where it is taken back to, up to 1: from ever nearer to zero it takes -log(p)/k, and the orbit is no point.
+#[test]
+fn an_orbit_that_is_taken_back_to_an_equilibrium_does_not_shrink() {
+    let text = "[parameters]\np = 0.5\nk = 1.7\n[flight]\nx = \"k*x\"\n[[event]]\nname = \"top\"\nsurface = \"x - 1\"\n\
+                direction = \"rising\"\nreset = { x = \"p - P\" }\n[initial]\nx = 0.3\n";
+    for (place, sweep) in [("0", (-0.5, 0.9)), ("0.2", (-0.5, 0.9))] {
+        let text = text.replace('P', place);
+        let branch = &over(&with(&text, &[]), "p", sweep, (8, 0.02))[0];
+        let End::Unbounded(unbounded) = &branch.ends[0] else {
+            panic!("{:?}", branch.ends);
+        };
+        let expected: f64 = place.parse().unwrap();
+        let off = (unbounded.value - expected).abs();
+        assert!(
+            off <= unbounded.error && unbounded.error < 1e-12,
+            "{unbounded:?}"
+        );
+        let Law::Logarithm(rate) = unbounded.law else {
+            panic!("{unbounded:?}");
+        };
+        let off = (rate - 1.7).abs();
+        assert!(off <= unbounded.law_error && off < 1e-6, "{unbounded:?}");
     }
 }

@@ -98,11 +98,11 @@ impl Equilibria {
 const SHRUNK: f64 = 1e-4;
 
 impl Shooting<f64> {
-    /// Whether an orbit has shrunk to a point: all its nodes, and where its flights are half over. Phases turn on where friction comes to
-    /// hold all else.
+    /// Whether an orbit has shrunk to a point: all its nodes, and where its flights are half over and end, from where events may take states back.
+    /// Phases turn on where friction comes to hold all else.
     pub(in crate::analysis::periodic::branch) fn has_shrunk(&mut self, at: &[f64]) -> bool {
         let parameters = self.workshop.parameters(self.free(at));
-        let halfway = |index: usize| {
+        let passed = |index: usize, part: f64| {
             let step = &self.steps[index];
             let (kind, place) = (step.flight()?, self.duration_place(index)?);
             let flight = LegKind {
@@ -112,8 +112,8 @@ impl Shooting<f64> {
             };
             let leg = self.workshop.leg(flight)?;
             let all = self.parameters_of(&parameters, step);
-            let (node, half) = (self.node(at, index), 0.5 * at[place]);
-            let landing = leg.fly(&mut leg.flyer(&Settings::default()), &all, node, half);
+            let (node, time) = (self.node(at, index), part * at[place]);
+            let landing = leg.fly(&mut leg.flyer(&Settings::default()), &all, node, time);
             Some(landing.ok()?.image)
         };
         let is_near = |state: &Vec<f64>| self.is_one_place(state, self.node(at, 0));
@@ -123,10 +123,13 @@ impl Shooting<f64> {
         if !places.iter().all(is_near) {
             return false;
         }
-        let Some(halfway) = steps.map(halfway).collect::<Option<Vec<_>>>() else {
-            return false;
-        };
-        places.extend(halfway);
+        for index in steps {
+            let passed = [0.5, 1.0].map(|part| passed(index, part));
+            let [Some(halfway), Some(end)] = passed else {
+                return false;
+            };
+            places.extend([halfway, end]);
+        }
         places.iter().all(is_near) && !self.leaves_walls(at, &places)
     }
 

@@ -73,7 +73,7 @@ pub(in crate::analysis::periodic::branch) fn growth(
     }
     let powers = |order: usize| (1..order as i32).collect::<Vec<i32>>();
     let [value, other] = [ORDER, ORDER - 1].map(|order| limit(&run, &powers(order), RATIO));
-    let (value, other) = (value?, other?);
+    let ((value, _), (other, _)) = (value?, other?);
     let error = (value - other).abs() + run.rounding(value);
     let power = run.power(value, RATIO)?;
     let known = (1..=POWERS).find(|&known| (power - f64::from(known)).abs() < SAME_POWER)?;

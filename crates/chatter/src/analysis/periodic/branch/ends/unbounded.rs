@@ -33,6 +33,9 @@ pub struct Unbounded {
     pub period: f64,
     /// By which law it grows.
     pub law: Law,
+    /// Estimated error of the number in that.
+    #[serde(with = "number")]
+    pub law_error: f64,
 }
 
 /// A period against the distance d of the parameter from its value there.
@@ -52,11 +55,15 @@ impl fmt::Display for Unbounded {
             "the period, {:.6} here, grows without bound as {name} comes to {value} (error {:.0e}): ",
             self.period, self.error
         )?;
+        let error = self.law_error;
         match self.law {
-            Law::Logarithm(rate) => write!(out, "T = -log|{name} - {name}*|/{rate:.6}"),
+            Law::Logarithm(rate) => write!(
+                out,
+                "T = -log|{name} - {name}*|/{rate:.6} (error {error:.0e})"
+            ),
             Law::InverseRoot(factor) => write!(
                 out,
-                "T = {factor:.6}/sqrt|{name} - {name}*|, as at a saddle-node on the orbit"
+                "T = {factor:.6}/sqrt|{name} - {name}*| (error {error:.0e}), as at a saddle-node on the orbit"
             ),
         }
     }
@@ -93,14 +100,15 @@ pub(in crate::analysis::periodic::branch) fn unbounded(
     if run.points.len() < FEWEST || last.period < GROWN * first.period {
         return None;
     }
-    let (value, error, law) = logarithm(&run, scale)
-        .or_else(|| inverse_root(&run).filter(|(_, error, _)| *error < scale))?;
+    let ((value, error), law, law_error) = logarithm(&run, scale)
+        .or_else(|| inverse_root(&run).filter(|((_, error), ..)| *error < scale))?;
     Some(Unbounded {
         name: name.to_owned(),
         value,
         error: error + run.rounding(value),
         period: last.period,
         law,
+        law_error,
     })
 }
 
@@ -179,7 +187,10 @@ fn exponential([a, b, c]: [&Point; 3]) -> Option<(f64, f64)> {
     Some((rate, c.parameter() - left / libm::expm1(rate * late)))
 }
 
-fn logarithm(run: &Series<'_>, scale: f64) -> Option<(f64, f64, Law)> {
+/// A value and its error, the law by which it is come to, and the error of the number in that.
+type Told = ((f64, f64), Law, f64);
+
+fn logarithm(run: &Series<'_>, scale: f64) -> Option<Told> {
     let (first, last) = run.ends()?;
     let part = (last.period - first.period) / PARTS;
     let at = |parts: f64| run.with(last.period - parts * part);
@@ -189,12 +200,18 @@ fn logarithm(run: &Series<'_>, scale: f64) -> Option<(f64, f64, Law)> {
     );
     let is_one = (late.0 / early.0 - 1.0).abs() < SAME_RATE;
     let is_near = (last.parameter() - late.1).abs() < NEAR * scale;
-    (is_one && is_near).then_some((late.1, (late.1 - early.1).abs(), Law::Logarithm(late.0)))
+    let known = (late.1, (late.1 - early.1).abs());
+    let law = Law::Logarithm(late.0);
+    // As near to the value as this, parameters are differences of little more than their rounding.
+    let before = at(1.0)?;
+    let rounding = 2.0 * f64::EPSILON * late.1.abs() / (before.parameter() - last.parameter());
+    let law_error = (late.0 - early.0).abs() + (rounding / (last.period - before.period)).abs();
+    (is_one && is_near).then_some((known, law, law_error))
 }
 
-/// The limit of a parameter that comes to it as a polynomial in one over the measure, of these powers: from one point more than there are, each with
-/// so many times less than the one before.
-pub(super) fn limit(run: &Series<'_>, powers: &[i32], ratio: f64) -> Option<f64> {
+/// The limit of a parameter that comes to it as a polynomial in one over the measure, of these powers, and the coefficient of the first: from one
+/// point more than there are powers, each with so many times less than the one before.
+pub(super) fn limit(run: &Series<'_>, powers: &[i32], ratio: f64) -> Option<(f64, f64)> {
     let (_, last) = run.ends()?;
     let order = powers.len() + 1;
     let mut rows = Vec::with_capacity(order);
@@ -207,23 +224,26 @@ pub(super) fn limit(run: &Series<'_>, powers: &[i32], ratio: f64) -> Option<f64>
         values.push(point.parameter());
     }
     let found = Matrix::from_rows(&rows).factored()?.solve(&values);
-    found.first().copied().filter(|value| value.is_finite())
+    let (&[value, part, ..], Some(&power)) = (&*found, powers.first()) else {
+        return None;
+    };
+    (value.is_finite()).then(|| (value, part * run.of(last).powi(power)))
 }
 
-fn inverse_root(run: &Series<'_>) -> Option<(f64, f64, Law)> {
+fn inverse_root(run: &Series<'_>) -> Option<Told> {
     let (first, last) = run.ends()?;
     if last.period < LONG * first.period {
         return None;
     }
     // Without a linear term.
     let powers = |order: usize| (2..=order as i32).collect::<Vec<i32>>();
-    let (value, other) = (
-        limit(run, &powers(ORDER), RATIO)?,
-        limit(run, &powers(ORDER - 1), RATIO)?,
-    );
+    let value = limit(run, &powers(ORDER), RATIO)?;
+    let other = limit(run, &powers(ORDER - 1), RATIO)?;
+    let [(value, square), (other, others)] = [value, other];
     let holds = (run.power(value, RATIO)? - 2.0).abs() < SAME_POWER;
-    let factor = last.period * (last.parameter() - value).abs().sqrt();
-    holds.then_some((value, (value - other).abs(), Law::InverseRoot(factor)))
+    let [factor, others] = [square, others].map(|square| square.abs().sqrt());
+    let known = (value, (value - other).abs());
+    holds.then_some((known, Law::InverseRoot(factor), (factor - others).abs()))
 }
 
 #[cfg(test)]
@@ -245,7 +265,8 @@ mod tests {
         let Law::Logarithm(rate) = found.law else {
             panic!("{found:?}");
         };
-        assert!((rate - 0.7).abs() < 1e-3, "{found:?}");
+        let off = (rate - 0.7).abs();
+        assert!(off <= found.law_error && off < 1e-3, "{found:?}");
         assert!(
             (found.value - 0.3).abs() <= found.error && found.error < 1e-11,
             "{found:?}"
@@ -258,7 +279,8 @@ mod tests {
         let Law::InverseRoot(factor) = found.law else {
             panic!("{found:?}");
         };
-        assert!((factor - 2.0_f64.sqrt()).abs() < 0.02, "{found:?}");
+        let off = (factor - 2.0_f64.sqrt()).abs();
+        assert!(off <= found.law_error && off < 1e-3, "{found:?}");
         assert!(
             (found.value - 0.3).abs() <= found.error && found.error < 1e-4,
             "{found:?}"
