@@ -65,9 +65,8 @@ pub struct Arguments {
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     impacts: Option<Count>,
 
-    /// End at the COUNT-th such event. KIND is impact, accumulation, release, graze, section, cascade or
-    /// ambiguity; NAME is a contact, or a
-    /// section after `section:`. `rest` ends the run when the system is at rest for ever
+    /// End at the COUNT-th such event. KIND is impact, accumulation, release, graze, section, cascade,
+    /// ambiguity, switch, slide, leave, stick, slip or reset; NAME is a contact, or a section after `section:`. `rest` ends the run when the system is at rest for ever
     #[arg(long, value_name = "KIND[:NAME][=COUNT]")]
     stop: Vec<StopOption>,
 

@@ -30,7 +30,7 @@ EXAMPLES
 
 TABLE
   For each parameter value (and start): what is swept, outcome (periodic, chaotic, quasiperiodic, unsettled,
-  complete_chatter, left_domain, no_return, no_start, undetermined), period, impacts_per_return, with --exponent the
+  complete_chatter, left_domain, no_return, no_start, undetermined, not_finite), period, impacts_per_return, with --exponent the
   largest Lyapunov exponent per sample, start (fresh, carried, random), initial_NAME for each state: where the orbit
   started. Where several orbits have the same parameters: attractor, the same number for orbits that settled to the
   same, 0 for none. For each sample: column (which row of the first table, from 0) and each observed quantity. NPZ holds
@@ -86,7 +86,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME", conflicts_with = "period")]
     pub section: Option<String>,
 
-    /// Sample at each event: KIND is impact, accumulation, release, graze or section, NAME the contact or section. With
+    /// Sample at each event: KIND is one of those of `simulate --stop`, NAME the contact or section. With
     /// NAME=EXPR: at this one value of a parameter, a sweep of one value
     #[arg(long, value_name = "KIND[:NAME]|NAME=EXPR")]
     pub at: Vec<AtOption>,
@@ -186,8 +186,8 @@ pub struct Arguments {
     )]
     pub shear: Option<ShearOption>,
 
-    /// Compute one of several shares only, into a journal of its own beside --out, for `chatter merge`
-    #[arg(long, value_name = "NUMBER/COUNT", requires = "out", conflicts_with_all = ["resume", "json"])]
+    /// Compute one of several shares only, into a journal of its own beside --out, for `chatter merge`, which draws
+    #[arg(long, value_name = "NUMBER/COUNT", requires = "out", conflicts_with_all = ["resume", "json", "plot"])]
     pub shard: Option<ShareOption>,
 
     /// How many threads compute [default: as many as the machine runs at once]

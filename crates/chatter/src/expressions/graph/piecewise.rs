@@ -65,6 +65,18 @@ impl Edge {
             surface
         }
     }
+
+    /// The piece that alone is chosen where the surface has this value, if one is.
+    pub(crate) fn chosen(self, surface: f64, above: Expr, below: Expr) -> Option<Expr> {
+        match (surface > 0.0, surface < 0.0, self) {
+            (true, ..) => Some(above),
+            (_, true, _) => Some(below),
+            _ if surface != 0.0 => None,
+            (.., Self::Above) => Some(above),
+            (.., Self::Below) => Some(below),
+            (.., Self::Middle) => None,
+        }
+    }
 }
 
 impl Graph {

@@ -140,7 +140,8 @@ impl fmt::Display for Name<'_> {
     }
 }
 
-/// What formulas are made of, with values where no state is, and whether states change them.
+/// What formulas are made of, with values where no state is, and whether states change them. Without pieces that are not chosen, where parameters alone
+/// choose: these may be of use elsewhere.
 struct Parts {
     parts: Vec<Expr>,
     values: Vec<f64>,
@@ -150,14 +151,42 @@ struct Parts {
 
 impl Parts {
     fn new(graph: &Graph, roots: &[Expr], parameters: &[f64]) -> Self {
-        let parts = graph.reachable(roots);
-        let values = graph.evaluate_all::<f64>(&parts, &[], parameters);
-        let mut moves = vec![false; parts.last().map_or(0, |part| part.index() + 1)];
-        for &part in &parts {
+        let all = graph.reachable(roots);
+        let values = graph.evaluate_all::<f64>(&all, &[], parameters);
+        let size = all.last().map_or(0, |part| part.index() + 1);
+        let mut moves = vec![false; size];
+        for &part in &all {
             let mut moved = matches!(graph.node(part), Node::Symbol(Symbol::State(_)));
             graph.for_each_operand(part, |operand| moved |= moves[operand.index()]);
             moves[part.index()] = moved;
         }
+        let value = |part: Expr| all.binary_search(&part).map_or(f64::NAN, |at| values[at]);
+        let mut is_asked = vec![false; size];
+        roots.iter().for_each(|root| is_asked[root.index()] = true);
+        for &part in all.iter().rev() {
+            if !is_asked[part.index()] {
+                continue;
+            }
+            let chosen = match *graph.node(part) {
+                Node::Switch {
+                    surface,
+                    above,
+                    below,
+                    edge,
+                } if !moves[surface.index()] => edge
+                    .chosen(value(surface), above, below)
+                    .map(|piece| [surface, piece]),
+                _ => None,
+            };
+            match chosen {
+                Some(operands) => {
+                    (operands.into_iter()).for_each(|operand| is_asked[operand.index()] = true);
+                }
+                None => graph.for_each_operand(part, |operand| is_asked[operand.index()] = true),
+            }
+        }
+        let pairs = all.iter().copied().zip(values.iter().copied());
+        let (parts, values) = pairs.filter(|(part, _)| is_asked[part.index()]).unzip();
         Self {
             parts,
             values,

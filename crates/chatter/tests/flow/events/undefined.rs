@@ -82,6 +82,47 @@ fn formulas_with_a_value_are_taken() {
     }
 }
 
+/// What parameters do not choose need not have a value: it is as if it were not there.
+#[test]
+fn pieces_that_parameters_pass_over_need_no_value() {
+    let run = |text: &str| {
+        let mut model = Model::from_toml(text, "test").unwrap_or_else(|e| panic!("{text}\n{e}"));
+        let spec = Spec::until(3.0);
+        let on = &mut |_: &_| ControlFlow::Continue(());
+        let first = simulate::<f64>(&model, &spec, on).unwrap();
+        model.set_parameter("m", "5").unwrap();
+        let second = simulate::<f64>(&model, &spec, on).unwrap();
+        [first.state, second.state]
+    };
+    let plain = run(&text("-g", "1", "r", "v"));
+    for one in [
+        "if(m < 3, sqrt(3 - m), sqrt(m - 4))",
+        "if(m > 3, 1/(m - 4), 1/(3 - m))",
+        "if(m > 3 and log(m - 4) > -1, asin(m - 4)*2/pi, 1)",
+        "if(m < 3 or sqrt(m - 4) > 0.5, 1, sqrt(2 - m))",
+        "if(m <= 2, 1, log(m - 2)/log(3))",
+    ] {
+        let unused = format!("[definitions]\nunused = \"{one}\"\n");
+        for text in [
+            text(&format!("-g*({one})"), "1", "r", "v"),
+            text("-g", one, "r", "v"),
+            text("-g", "1", &format!("r*({one})"), "v"),
+            text("-g", "1", "r", &format!("v*({one})")),
+            text("-g", "1", "r", "v").replace("r = 0.5", &format!("r = \"0.5*({one})\"")),
+            text("-g", "1", "r", "v").replace("y = 1\n", &format!("y = \"{one}\"\n")),
+            text("-g", "1", "r", "v") + &unused,
+        ] {
+            for (found, plain) in run(&text).iter().zip(&plain) {
+                for (x, y) in found.iter().zip(plain) {
+                    assert!((x - y).abs() < 1e-13, "{text}: {x} {y}");
+                }
+            }
+        }
+    }
+    refused(&text("-g*(if(m < 3, sqrt(1 - m), 1))", "1", "r", "v"));
+    refused(&text("-g*(if(m - 2 > sqrt(1 - m), 1, 1/2))", "1", "r", "v"));
+}
+
 #[test]
 fn parameters_that_leave_a_formula_without_a_value_are_refused() {
     let spec = Spec::until(1.0);
