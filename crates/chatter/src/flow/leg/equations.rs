@@ -4,7 +4,7 @@ use super::{Jump, LegKind};
 use crate::expressions::{Asked, Expr, Graph, Side, Symbol};
 use crate::flow::modes::guard::GuardKind;
 use crate::flow::modes::limits::Limits;
-use crate::flow::modes::program::{ModeExprs, guard_functions};
+use crate::flow::modes::program::{Closed, Grip, ModeExprs, guard_functions};
 use crate::flow::system::System;
 use crate::flow::touch::stop;
 use crate::model::{Model, Section, State};
@@ -156,6 +156,35 @@ impl System {
         }
         let mode = self.meet(grip, sides);
         self.program(mode).map(|_| mode)
+    }
+
+    /// How the gap of a contact that a mode holds beside others would open if that one alone were let go: its acceleration and its jerk. None where it
+    /// holds no other, or no motion is without it.
+    pub(crate) fn let_go(
+        &self,
+        (mode, contact): (usize, usize),
+        parameters: &[f64],
+        state: &[f64],
+    ) -> Option<[f64; 2]> {
+        let (grip, sides, _) = self.origin_of(mode)?;
+        let others = Grip {
+            closed: grip.closed.without(contact),
+            ..grip
+        };
+        if others.closed == Closed::NONE || others.closed == grip.closed || grip.has_idle() {
+            return None;
+        }
+        let kind = LegKind {
+            mode: self.meet(others, sides),
+            ends_at: Some(GuardKind::Gap(contact)),
+            jump: Jump::None,
+        };
+        let ending = self.ending(kind)?;
+        let (mut graph, field) = (ending.graph, ending.field);
+        let rate = graph.lie_derivative(ending.surface?, &field);
+        let acceleration = graph.lie_derivative(rate, &field);
+        let jerk = graph.lie_derivative(acceleration, &field);
+        Some([acceleration, jerk].map(|expr| graph.evaluate(expr, state, parameters)))
     }
 
     /// The field of a mode at a state.
