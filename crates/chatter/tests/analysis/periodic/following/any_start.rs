@@ -459,6 +459,32 @@ fn an_orbit_all_of_whose_impacts_lose_their_rate_at_once_has_met_a_simple_one() 
     }
 }
 
+/// The same where drag turns with the rate that vanishes, so that the way between breaks and not the impact (the graze of the simple orbit in closed form,
+/// by mpmath).
+#[test]
+fn a_doubled_branch_ends_at_the_graze_of_the_simple_one_where_drag_turns() {
+    let text = format!(
+        "[parameters]\nf = 0.6\nw = 1.3264\n[flight]\nx = 'v'\nv = '-x - 0.1036*v - if(v > 0, 0.1867, -0.0964) + f*cos(w*t)'\n{SECTIONS}\
+         [[contact]]\nname = 'up'\ngap = '0.8787 - x'\nimpulse = {{ v = -1 }}\nrestitution = 0.6531\n\
+         [[contact]]\nname = 'down'\ngap = '0.6521 + x'\nimpulse = {{ v = 1 }}\nrestitution = 0.5589\n\
+         [initial]\nx = 0.1\nv = 0\n"
+    );
+    let simple = 0.454_684_118_598_862;
+    let ends = [SpecialKind::FlightGraze, SpecialKind::BranchPoint].map(End::Again);
+    let model = with(&text, &[]);
+    for (section, step) in [(1, 0.0044), (1, 0.033), (0, 0.022), (0, 0.1)] {
+        let spec = Spec {
+            section: Some(section),
+            ..Spec::default()
+        };
+        let found = follow(&model, ("f", (0.3, 1.4)), step, &spec).unwrap();
+        assert_eq!(found.ends, ends, "{section} {step}");
+        let grazes = places(&found, SpecialKind::FlightGraze);
+        assert_eq!(grazes.len(), 2, "{section} {step}: {grazes:?}");
+        assert!((grazes[0] - simple).abs() < 1e-14, "{grazes:?}");
+    }
+}
+
 /// A pair leaves the circle, becomes real, and one of the two comes back within it by a period doubling: within one step.
 #[test]
 fn a_pair_that_becomes_real_beside_the_circle_is_told() {

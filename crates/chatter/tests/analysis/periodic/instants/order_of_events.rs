@@ -547,3 +547,32 @@ fn a_branch_ends_where_the_order_of_two_blows_matters() {
         }
     }
 }
+
+/// A swing is driven by a pulse that ends just as the swing is at its crest (closed form, by mpmath), and the crest grazes a wall: rounding says whether the
+/// graze comes before the end of the pulse or after it. Impacts of every second period shrink to it, too, and have met the simple orbit there.
+#[test]
+fn a_graze_where_a_pulse_ends_is_passed_and_met() {
+    let touch = 0.990_487_121_867_032_9;
+    let text = |start: f64| {
+        format!(
+            "[parameters]\nF = {start}\n[flight]\nx = 'v'\nv = '-x - 0.1*v + F*if(mod(t, 7) < 1.5061355081561787, 1, 0)'\n[[contact]]\n\
+             name = 'wall'\ngap = '2 - x'\nimpulse = {{ v = -1 }}\nrestitution = 0.7\n[section.s]\nsurface = 'sin(2*pi*(t - 4)/7)'\n\
+             direction = 'rising'\n[initial]\nx = 0\nv = 0\n"
+        )
+    };
+    let met = [End::Again(SpecialKind::FlightGraze), End::Range];
+    for (start, ends) in [(0.8, [End::Range, End::Range]), (1.5, met)] {
+        for step in [0.1, 0.01] {
+            let branch = over(&with(&text(start), &[]), "F", (0.6, 1.6), (6, step)).swap_remove(0);
+            assert_eq!(branch.ends, ends, "{start} {step}");
+            let mut grazes = branch.special.iter().filter(|s| s.kind.is_graze());
+            let graze = grazes.next().unwrap();
+            assert!(
+                (value(graze) - touch).abs() < 1e-14,
+                "{start} {step} {}",
+                value(graze)
+            );
+            assert_eq!((graze.kind, grazes.count()), (SpecialKind::FlightGraze, 0));
+        }
+    }
+}

@@ -110,7 +110,7 @@ impl Walker {
         }
         // Of the equations as they are.
         let headings = (self.heading(&from), self.heading(&station));
-        let known = self.special.len();
+        let (known, before) = (self.special.len(), self.shooting.clone());
         let outcome = match broken {
             Broken::Inner(index, GuardKind::Gap(contact))
             | Broken::Early(index, GuardKind::Gap(contact))
@@ -179,15 +179,42 @@ impl Walker {
             _ => headings.1,
         };
         // An orbit that goes more than once around a simple one from here on: it has met that at its graze.
-        if let (Broken::Event(_), Ok(next)) = (&broken, &outcome)
+        if let Ok(next) = &outcome
             && goes_around(&self.shooting, &next.at)
         {
+            self.tell_as_loss((before, known), &station, &there);
             let kind = self.special.last().map(|special| special.kind);
             return Stop::End(kind.map_or(End::Range, End::Again));
         }
         match self.goes_on(outcome, (curve, forward), here) {
             Stop::End(end @ End::Lost(_)) => Stop::Broken(end, Box::new(station)),
             other => other,
+        }
+    }
+
+    /// Tells the place where one part of an orbit touches and the impact of another part loses its rate as the latter, whichever was found first:
+    /// the latest special point is of the equations without the touch, after so many others.
+    fn tell_as_loss(
+        &mut self,
+        (mut before, known): (Shooting<f64>, usize),
+        station: &Station,
+        there: &Point,
+    ) {
+        let impacts = |shooting: &Shooting<f64>| {
+            let steps = shooting.steps.iter();
+            steps.filter(|step| step.impact().is_some()).count()
+        };
+        let comes_in = impacts(&self.shooting) > impacts(&before);
+        let is_known = comes_in && before.evaluate(&station.at).is_ok();
+        let Some(index) = before.without_rate().filter(|_| is_known) else {
+            return;
+        };
+        let told = self.special.split_off(known);
+        let longer = core::mem::replace(&mut self.shooting, before);
+        if self.lose(station, index, there).is_err() {
+            self.special.truncate(known);
+            self.special.extend(told);
+            self.shooting = longer;
         }
     }
 
