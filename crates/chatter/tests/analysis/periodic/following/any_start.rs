@@ -485,6 +485,37 @@ fn a_doubled_branch_ends_at_the_graze_of_the_simple_one_where_drag_turns() {
     }
 }
 
+/// A wall that throws slow impacts back faster than fast ones: an impact that comes in at a graze is a slow one, whatever the impact after it, and one
+/// that goes out leaves a flight whichever it was (closed form, by mpmath).
+#[test]
+fn an_impact_that_comes_in_asks_for_the_restitution_of_its_own_rate() {
+    let text = format!(
+        "[parameters]\nf = 0.6\nw = 0.6744\n[flight]\nx = 'v'\nv = '-x - 0.1767*v + f*cos(w*t)'\n{SECTIONS}\
+         [[contact]]\nname = 'wall'\ngap = '0.8787 - x'\nimpulse = {{ v = -1 }}\n\
+         restitution = 'if(v < 0.3565, 0.8061, 0.5702)'\n[initial]\nx = 0.1\nv = 0\n"
+    );
+    let expected = [
+        (SpecialKind::Touch, 0.522_813_619_926_750_3),
+        (SpecialKind::Fold, 0.949_655_260_015_167_5),
+        (SpecialKind::FlightGraze, 0.952_353_623_051_733_2),
+        (SpecialKind::Touch, 1.010_704_976_690_513_4),
+    ];
+    let model = with(&text, &[]);
+    for step in [0.004, 0.03] {
+        let found = follow(&model, ("f", (0.1, 1.1)), step, &Spec::default()).unwrap();
+        let places = told(&found);
+        assert_eq!(places.len(), expected.len(), "{step}: {places:?}");
+        for (place, (kind, value)) in places.iter().zip(expected) {
+            assert_eq!(place.0, kind);
+            assert!((place.1 - value).abs() < 1e-14, "{step}: {place:?}");
+        }
+    }
+    assert_eq!(
+        is_the_same_from_everywhere(&text, ("f", (0.1, 1.1)), 4),
+        Ok(4)
+    );
+}
+
 /// A pair leaves the circle, becomes real, and one of the two comes back within it by a period doubling: within one step.
 #[test]
 fn a_pair_that_becomes_real_beside_the_circle_is_told() {

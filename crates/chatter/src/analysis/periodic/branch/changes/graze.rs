@@ -556,7 +556,7 @@ impl Walker {
         // To the side where the gap stays open.
         let guard = self.shooting.steps[index].ends_at();
         let beside = [index, self.shooting.after(index)].map(|k| self.shooting.steps[k].mode());
-        let turns = beside[0] != beside[1] && shorter.turns(merged);
+        let turns = !self.shooting.moves_alike(beside[0], beside[1]) && shorter.turns(merged);
         // Of several least values that the gap has on the way the one that was touched; where that was the only event the way begins and ends
         // with it.
         let touched_at = self.shooting.latest[index].duration;
