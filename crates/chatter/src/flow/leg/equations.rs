@@ -245,12 +245,14 @@ impl System {
             }
             Jump::Reset(section) => sections.get(section)?.reset.clone()?,
         };
+        let mut slipped = None;
         if let Some(stop) = stop {
             let hit = map.clone();
             for (after, added) in map.iter_mut().zip(stop) {
                 let added = graph.substitute(added, &|symbol| at(&hit, symbol));
                 *after = graph.add(*after, added);
             }
+            slipped = Some(hit);
         }
         let slid_along = (on_sides.followed.surfaces.members())
             .filter(|&index| sides.get(index) == Side::Sliding)
@@ -289,7 +291,22 @@ impl System {
             Jump::Impact(contact) | Jump::Stop(contact) => limits.impacts[contact],
             Jump::Reset(section) => limits.resets[section],
         };
-        let asked = on_sides.guards_of(&mut graph, (self.corners(), sides), asked);
+        let mut asked = on_sides.guards_of(&mut graph, (self.corners(), sides), asked);
+        // Friction stops what slides as long as all of it would turn that round.
+        if let (Jump::Stop(contact), Some(slipped)) = (kind.jump, slipped) {
+            let rubs = (self.rubbing().iter()).filter(|rubbing| rubbing.contact == contact);
+            for rubbing in rubs.filter(|rubbing| !self.corners().is_disc(rubbing.surface)) {
+                let rate = on_sides.surfaces[rubbing.surface];
+                let left = graph.substitute(rate, &|symbol| at(&slipped, symbol));
+                let turned = match sides.get(rubbing.surface) {
+                    Side::Above => graph.neg(left),
+                    Side::Below => left,
+                    Side::Sliding => continue,
+                };
+                let slips = GuardKind::Leave(rubbing.surface, sides.get(rubbing.surface));
+                asked.push((slips, turned));
+            }
+        }
         // What is a corner for the event alone may be where it comes.
         let all = guards.iter().copied();
         let surface = match kind.ends_at {

@@ -89,6 +89,26 @@ impl<R: Real> Shooting<R> {
         }
     }
 
+    /// Whether a step ends with an impact whose friction stops the sliding of its contact.
+    pub(crate) fn stops(&self, index: usize) -> bool {
+        let passage = self.steps[index].passage;
+        matches!(passage, Passage::Leg(kind) if matches!(kind.jump, Jump::Stop(_)))
+    }
+
+    /// Whether of the event at the end of a step and the one before one is an impact, and the other that the sliding of its contact turns.
+    pub(crate) fn slips_about(&self, index: usize) -> bool {
+        let both = [self.before(index), index].map(|k| &self.steps[k]);
+        let turns = |contact: usize, step: &Step| {
+            let mut rubs = self.workshop.system.rubbing().iter();
+            rubs.any(|rubbing| {
+                rubbing.contact == contact
+                    && step.ends_at() == Some(GuardKind::Switch(rubbing.surface))
+            })
+        };
+        let with = |one: usize| (both[one].impact()).is_some_and(|hit| turns(hit, both[1 - one]));
+        with(0) || with(1)
+    }
+
     /// Watches how far the event at the end of a step is from a corner that it asks for.
     pub(crate) fn watch_corner(
         &mut self,

@@ -136,6 +136,10 @@ impl Walker {
             {
                 self.lose(&station, index, &there)
             }
+            // Friction that is too weak to stop what slides slows it as much.
+            Broken::Early(index, GuardKind::Leave(..)) if self.shooting.stops(index) => {
+                Err(broken.told(&self.shooting))
+            }
             Broken::Early(index, guard) => {
                 self.meets_with_event(&station, (index, guard), &there);
                 Err(broken.told(&self.shooting))
@@ -234,7 +238,9 @@ impl Walker {
         let forward = self.heading(&curve.station);
         let exchanged = self.shooting.exchanged(&station.at, index);
         let shows = |exchanged: &Exchanged| Shooting::order_shows(exchanged).unwrap_or(true);
-        let is_told = !self.shooting.is_knot(index) && exchanged.as_ref().map_or(true, shows);
+        // Where friction begins or ceases to stop what slides at an impact other impacts do beside it, and nothing is told of any.
+        let is_passed = self.shooting.is_knot(index) || self.shooting.slips_about(index);
+        let is_told = !is_passed && exchanged.as_ref().map_or(true, shows);
         if is_told {
             self.note_exchange(&station, index, &there);
         }
