@@ -577,3 +577,21 @@ fn a_graze_where_a_pulse_ends_is_passed_and_met() {
         }
     }
 }
+
+/// A gear that its load holds against a stop just leaves it where the force that swings reaches the load. From chatter down flights shrink to nothing there, at
+/// all steps: what rounding leaves of the last impact is no graze.
+#[test]
+fn flights_that_shrink_to_nothing_graze_nowhere() {
+    let text = "[parameters]\nf = 0.23\n[flight]\nx = 'v'\nv = '-0.1422*v + 0.1919 - f*cos(1.3198*t)'\n[[contact]]\nname = 'up'\n\
+                gap = '0.4761 - x'\nimpulse = { v = -1 }\nrestitution = 0.6619\n[section.s]\nsurface = 'sin(1.3198*t)'\n\
+                direction = 'rising'\n[initial]\nx = 0.1\nv = 0\n";
+    for step in [0.033, 0.03, 0.02, 0.011, 0.004] {
+        let branch = over(&with(text, &[]), "f", (0.1, 0.25), (6, step)).swap_remove(0);
+        let told: Vec<_> = branch.special.iter().map(|s| (s.kind, value(s))).collect();
+        let [(SpecialKind::Touch, at)] = told[..] else {
+            panic!("{step}: {told:?} {:?}", branch.ends);
+        };
+        assert!((at - 0.1919).abs() < 1e-12, "{step}: {at}");
+        assert_eq!(branch.ends, [End::Range, End::Range], "{step}");
+    }
+}

@@ -126,6 +126,10 @@ impl Walker {
             Broken::Event(index) if self.shooting.has_come_back(&station.at, index) => {
                 Err(broken.told(&self.shooting))
             }
+            // A flight that begins with a release shrinks to nothing with the jerk there, and rounding is what is left of its impact.
+            Broken::Event(index) if !self.is_flight(&station, index) => {
+                Err(broken.told(&self.shooting))
+            }
             Broken::Event(index) => self.lose(&station, index, &there),
             // The rate that turns is that of the impact, and the flight after it begins where it does.
             Broken::Beyond(index, GuardKind::Switch(_)) if self.follows_graze(index) => {
@@ -356,6 +360,22 @@ impl Walker {
         let (rate, terms) = self.shooting.gap_rate(&station.at, (index, contact));
         // From zero with this rate, and back to where both vanish: a cubic.
         let height = 4.0 / 27.0 * (rate * touch.time).abs();
+        height.is_nan() || height > LEAST_HEIGHT * f64::EPSILON * terms
+    }
+
+    /// Whether the flight before an impact, if it begins with a release of the same contact, can be told from rounding of the gap.
+    fn is_flight(&self, station: &Station, index: usize) -> bool {
+        let before = self.shooting.before(index);
+        let Some(contact) = self.shooting.steps[index].impact() else {
+            return true;
+        };
+        if self.shooting.steps[before].ends_at() != Some(GuardKind::Reaction(contact)) {
+            return true;
+        }
+        let [release, flight] = [before, index].map(|k| &self.shooting.latest[k]);
+        let (_, terms) = self.shooting.gap_rate(&station.at, (index, contact));
+        // From rest with this jerk, and back to the contact: a quartic.
+        let height = 27.0 / 1536.0 * (release.surface_rate * flight.duration.powi(3)).abs();
         height.is_nan() || height > LEAST_HEIGHT * f64::EPSILON * terms
     }
 
