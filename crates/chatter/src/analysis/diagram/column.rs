@@ -177,7 +177,8 @@ impl Column {
             .collect();
     }
 
-    fn repetition(&self, sweep: &Sweep) -> Repetition {
+    /// What the samples show of a period, and how many of the latest returns are one, or all that there is.
+    fn repetition(&self, sweep: &Sweep) -> (Repetition, usize) {
         let settled = Settled {
             points: &self.tail,
             kinds: &self.kinds,
@@ -185,7 +186,9 @@ impl Column {
             ways: &self.ways,
         };
         let spec = sweep.spec();
-        settled.repetition(spec.longest_period, spec.period_tolerance)
+        let repetition = settled.repetition(spec.longest_period, spec.period_tolerance);
+        let period = (repetition.period()).filter(|_| !settled.has_died_out());
+        (repetition, period.unwrap_or(self.ways.len()))
     }
 
     fn aperiodic(&self) -> Outcome {
@@ -206,9 +209,8 @@ impl Column {
         if sweep.carries() {
             self.end = arrival.point.to_vec();
         }
-        let repetition = self.repetition(sweep);
+        let (repetition, recent) = self.repetition(sweep);
         let period = repetition.period();
-        let recent = period.unwrap_or(self.ways.len());
         let first = self.ways.len() - recent;
         let chatters = chatters(&self.ways[first..]);
         let settled = match repetition {

@@ -71,6 +71,11 @@ pub enum PeriodicError {
         /// When.
         time: f64,
     },
+    /// The trajectory dies out under a forcing, at rest where a contact is touched and nothing holds it closed or open.
+    DiesOut {
+        /// That contact.
+        contact: String,
+    },
     /// The trajectory moves on, and nothing happens that a return could be told by.
     Eventless {
         /// Since when.
@@ -180,6 +185,11 @@ impl fmt::Display for PeriodicError {
             Self::Equilibrium { time } => write!(
                 out,
                 "nothing happens after time {time:.6}: the trajectory comes to rest, and an equilibrium is no periodic orbit"
+            ),
+            Self::DiesOut { contact } => write!(
+                out,
+                "the motion dies out: what is left is rest where contact `{contact}` is touched without a force, and beside that there is no one \
+                 derivative"
             ),
             Self::Eventless { time } => write!(
                 out,

@@ -83,12 +83,17 @@ pub(super) fn margins(
         for least in &least[index] {
             let crosses = workshop.section.map(GuardKind::Section) == Some(least.guard);
             if !least.at_end && !crosses {
+                let mut value = least.value;
                 let kind = match least.guard {
                     GuardKind::Gap(_) => MarginKind::LeastGap,
-                    GuardKind::Reaction(_) => MarginKind::LeastReaction,
+                    GuardKind::Reaction(contact) => {
+                        let opens = shooting.let_go(step, contact, &least.state);
+                        value = opens.map_or(value, |[acceleration, _]| -acceleration);
+                        MarginKind::LeastReaction
+                    }
                     _ => MarginKind::LeastValue,
                 };
-                note(kind, least.guard, time + least.time, least.value);
+                note(kind, least.guard, time + least.time, value);
             }
         }
         time += landing.duration;
@@ -104,17 +109,27 @@ pub(super) fn margins(
             );
         }
         if let Some(GuardKind::Reaction(contact)) = step.ends_at() {
-            // Minus the reaction is the acceleration that it keeps from being.
+            // Minus the reaction is the acceleration that it keeps from being, where it is the only one that is closed.
+            let opens = shooting.let_go(step, contact, &landing.image);
             note(
                 MarginKind::ReleaseJerk,
                 GuardKind::Reaction(contact),
                 time,
-                -landing.surface_rate,
+                opens.map_or(-landing.surface_rate, |[_, jerk]| jerk),
             );
         }
     }
     found.extend(borders(shooting, at));
     Ok(found)
+}
+
+impl Shooting<f64> {
+    /// How the gap of a contact that is held beside others at this state of a step would open if that one alone were let go.
+    fn let_go(&self, step: &Step, contact: usize, state: &[f64]) -> Option<[f64; 2]> {
+        let known = self.parameters_of(&self.latest_parameters()?, step);
+        let system = &self.workshop.system;
+        system.let_go((step.mode(), contact), &known, state)
+    }
 }
 
 /// u of an impact near release (docs/periodic.md, M6): the scaled rate after it, with which complete chatter is told from

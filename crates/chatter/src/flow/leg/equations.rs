@@ -4,7 +4,7 @@ use super::{Jump, LegKind};
 use crate::expressions::{Asked, Expr, Graph, Side, Symbol};
 use crate::flow::modes::guard::GuardKind;
 use crate::flow::modes::limits::Limits;
-use crate::flow::modes::program::{ModeExprs, guard_functions};
+use crate::flow::modes::program::{Closed, Grip, ModeExprs, guard_functions};
 use crate::flow::system::System;
 use crate::flow::touch::stop;
 use crate::model::{Model, Section, State};
@@ -158,6 +158,35 @@ impl System {
         self.program(mode).map(|_| mode)
     }
 
+    /// How the gap of a contact that a mode holds beside others would open if that one alone were let go: its acceleration and its jerk. None where it
+    /// holds no other, or no motion is without it.
+    pub(crate) fn let_go(
+        &self,
+        (mode, contact): (usize, usize),
+        parameters: &[f64],
+        state: &[f64],
+    ) -> Option<[f64; 2]> {
+        let (grip, sides, _) = self.origin_of(mode)?;
+        let others = Grip {
+            closed: grip.closed.without(contact),
+            ..grip
+        };
+        if others.closed == Closed::NONE || others.closed == grip.closed || grip.has_idle() {
+            return None;
+        }
+        let kind = LegKind {
+            mode: self.meet(others, sides),
+            ends_at: Some(GuardKind::Gap(contact)),
+            jump: Jump::None,
+        };
+        let ending = self.ending(kind)?;
+        let (mut graph, field) = (ending.graph, ending.field);
+        let rate = graph.lie_derivative(ending.surface?, &field);
+        let acceleration = graph.lie_derivative(rate, &field);
+        let jerk = graph.lie_derivative(acceleration, &field);
+        Some([acceleration, jerk].map(|expr| graph.evaluate(expr, state, parameters)))
+    }
+
     /// The field of a mode at a state.
     pub(crate) fn field_of(
         &self,
@@ -216,12 +245,14 @@ impl System {
             }
             Jump::Reset(section) => sections.get(section)?.reset.clone()?,
         };
+        let mut slipped = None;
         if let Some(stop) = stop {
             let hit = map.clone();
             for (after, added) in map.iter_mut().zip(stop) {
                 let added = graph.substitute(added, &|symbol| at(&hit, symbol));
                 *after = graph.add(*after, added);
             }
+            slipped = Some(hit);
         }
         let slid_along = (on_sides.followed.surfaces.members())
             .filter(|&index| sides.get(index) == Side::Sliding)
@@ -260,7 +291,22 @@ impl System {
             Jump::Impact(contact) | Jump::Stop(contact) => limits.impacts[contact],
             Jump::Reset(section) => limits.resets[section],
         };
-        let asked = on_sides.guards_of(&mut graph, (self.corners(), sides), asked);
+        let mut asked = on_sides.guards_of(&mut graph, (self.corners(), sides), asked);
+        // Friction stops what slides as long as all of it would turn that round.
+        if let (Jump::Stop(contact), Some(slipped)) = (kind.jump, slipped) {
+            let rubs = (self.rubbing().iter()).filter(|rubbing| rubbing.contact == contact);
+            for rubbing in rubs.filter(|rubbing| !self.corners().is_disc(rubbing.surface)) {
+                let rate = on_sides.surfaces[rubbing.surface];
+                let left = graph.substitute(rate, &|symbol| at(&slipped, symbol));
+                let turned = match sides.get(rubbing.surface) {
+                    Side::Above => graph.neg(left),
+                    Side::Below => left,
+                    Side::Sliding => continue,
+                };
+                let slips = GuardKind::Leave(rubbing.surface, sides.get(rubbing.surface));
+                asked.push((slips, turned));
+            }
+        }
         // What is a corner for the event alone may be where it comes.
         let all = guards.iter().copied();
         let surface = match kind.ends_at {

@@ -73,6 +73,34 @@ impl Settled<'_> {
     /// The smallest number of samples after which the whole point, the number of impacts and the time repeat, over the
     /// second half of the samples at least, if the points between are others and stay so.
     pub fn repetition(&self, longest: u64, tolerance: f64) -> Repetition {
+        if !self.has_died_out() {
+            return self.repeats(longest, tolerance);
+        }
+        // Impacts of what is nothing any more come as often as they do between two samples.
+        let without_events = |way: &Way| Way {
+            impacts: 0,
+            accumulations: 0,
+            ..*way
+        };
+        let ways: Vec<Way> = self.ways.iter().map(without_events).collect();
+        Settled {
+            ways: &ways,
+            ..*self
+        }
+        .repeats(longest, tolerance)
+    }
+
+    /// Whether all that is left of the motion at its samples is next to nothing of what it was.
+    pub fn has_died_out(&self) -> bool {
+        let at_samples = self.points.sizes();
+        let mut places = (self.kinds.iter().zip(self.sizes).zip(at_samples)).filter_map(
+            |((kind, size), left)| matches!(kind, CoordinateKind::Plain).then_some((*size, left)),
+        );
+        let moved = self.sizes.iter().any(|size| *size > 0.0);
+        moved && places.all(|(size, left)| 2.0 * left <= ROUNDING * size)
+    }
+
+    fn repeats(&self, longest: u64, tolerance: f64) -> Repetition {
         let count = self.ways.len();
         let allowed = self.allowed(tolerance);
         let longest_way = self

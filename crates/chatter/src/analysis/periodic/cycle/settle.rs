@@ -2,6 +2,7 @@
 
 use super::events::single;
 use super::itinerary::{Step, around, read};
+use super::left::touched_at_rest;
 use super::reread::from_early_on;
 use super::rotate::{past_instant, rotate};
 use super::trace::{Instant, Tracer, leave_out_crossings};
@@ -113,7 +114,7 @@ const FIRST_CHUNK: usize = 16;
 const CHUNK: usize = 600;
 const PERIODS: usize = 40;
 /// A motion whose states have all become so small a part of the greatest goes to rest at zero.
-const DIED_OUT: f64 = 1e-15;
+pub(super) const DIED_OUT: f64 = 1e-15;
 /// Longer cycles are not looked for, in periods of the forcing.
 const LONGEST: usize = 64;
 
@@ -280,7 +281,7 @@ pub(crate) fn from_first_turn(steps: &mut [Step], turns: &[Turn<f64>], counts: &
 }
 
 /// Whether a state is a phase.
-fn is_phase(turns: &[Turn<f64>], index: usize) -> bool {
+pub(super) fn is_phase(turns: &[Turn<f64>], index: usize) -> bool {
     turns.iter().any(|turn| turn.state == index)
 }
 
@@ -292,7 +293,7 @@ fn size(state: &[f64], turns: &[Turn<f64>]) -> f64 {
 }
 
 /// The most that each state has been on a motion.
-struct Most(Vec<f64>);
+pub(super) struct Most(pub Vec<f64>);
 
 impl Most {
     fn take_in<'s>(&mut self, states: impl IntoIterator<Item = &'s Vec<f64>>) {
@@ -482,6 +483,15 @@ pub(crate) fn settle(
                     return Err(comes_to_rest(quiet, !goes_on));
                 }
                 chunk = (2 * chunk).min(CHUNK);
+            }
+        }
+        if let (Some(_), Some(latest)) = (forcing, strobes.last()) {
+            let around = (latest, &*instants);
+            let touched = touched_at_rest((workshop, &parameters), &turns, around, &most);
+            if let Some(contact) = touched {
+                return Err(PeriodicError::DiesOut {
+                    contact: workshop.model.contacts[contact].name.clone(),
+                });
             }
         }
         leave_out_crossings(&mut instants, section);

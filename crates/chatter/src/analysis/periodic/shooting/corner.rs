@@ -28,6 +28,8 @@ impl<R: Real> Watched<R> {
     }
 }
 
+/// A moment, in parts of the period.
+const MOMENT: f64 = 1e-7;
 /// Corners within corners, as conditions are nested.
 const DEEPEST: usize = 16;
 
@@ -85,6 +87,26 @@ impl<R: Real> Shooting<R> {
             GuardKind::Piece(lookup, _) => asked.lookups.contains(lookup),
             _ => false,
         }
+    }
+
+    /// Whether a step ends with an impact whose friction stops the sliding of its contact.
+    pub(crate) fn stops(&self, index: usize) -> bool {
+        let passage = self.steps[index].passage;
+        matches!(passage, Passage::Leg(kind) if matches!(kind.jump, Jump::Stop(_)))
+    }
+
+    /// Whether of the event at the end of a step and the one before one is an impact, and the other that the sliding of its contact turns.
+    pub(crate) fn slips_about(&self, index: usize) -> bool {
+        let both = [self.before(index), index].map(|k| &self.steps[k]);
+        let turns = |contact: usize, step: &Step| {
+            let mut rubs = self.workshop.system.rubbing().iter();
+            rubs.any(|rubbing| {
+                rubbing.contact == contact
+                    && step.ends_at() == Some(GuardKind::Switch(rubbing.surface))
+            })
+        };
+        let with = |one: usize| (both[one].impact()).is_some_and(|hit| turns(hit, both[1 - one]));
+        with(0) || with(1)
     }
 
     /// Watches how far the event at the end of a step is from a corner that it asks for.
@@ -209,6 +231,47 @@ impl Shooting<f64> {
             jump: apart.distance,
             kink,
         })
+    }
+
+    /// A leg that an impact comes in at the end of, and the pieces of lookups on it: what that impact alone asks for, as its restitution, is on the
+    /// side where the state is, whichever event it was that the motion went on to before.
+    pub(crate) fn to_impact(
+        &self,
+        at: &[f64],
+        kind: LegKind,
+        (touch, step): (&[f64], &Step),
+    ) -> (LegKind, Vec<i64>) {
+        let system = &self.workshop.system;
+        let mut pieces = step.pieces.clone();
+        let Some((grip, sides, on_sides)) = system.origin_of(kind.mode) else {
+            return (kind, pieces);
+        };
+        let model = &self.workshop.model;
+        let parameters = self.workshop.parameters(self.free(at));
+        // A moment before, the gap closes: with no rate at all corners that go by that have no side.
+        let by = -MOMENT * self.period();
+        let rates = model.states.iter().map(|state| {
+            let rate: f64 = (model.graph).evaluate(state.derivative, touch, &parameters);
+            rate
+        });
+        let before: Vec<f64> = touch.iter().zip(rates).map(|(x, f)| x + by * f).collect();
+        let asked = |mode: usize| asked_by(system, LegKind { mode, ..kind });
+        let known = (on_sides.followed, (&*before, &*parameters));
+        let mode = mode_there(system, (grip, sides, &mut pieces), &asked, known);
+        (LegKind { mode, ..kind }, pieces)
+    }
+
+    /// Whether two modes move alike, and differ at most in what impacts and resets alone ask for.
+    pub(crate) fn moves_alike(&self, one: usize, other: usize) -> bool {
+        let system = &self.workshop.system;
+        let both = (system.origin_of(one), system.origin_of(other));
+        let (Some((grip, sides, on)), Some((other_grip, other_sides, other_on))) = both else {
+            return false;
+        };
+        let mut followed = on.followed.surfaces.members();
+        grip == other_grip
+            && on.followed == other_on.followed
+            && followed.all(|surface| sides.get(surface) == other_sides.get(surface))
     }
 
     /// The steps, of which one ends beyond these corners.

@@ -459,6 +459,63 @@ fn an_orbit_all_of_whose_impacts_lose_their_rate_at_once_has_met_a_simple_one() 
     }
 }
 
+/// The same where drag turns with the rate that vanishes, so that the way between breaks and not the impact (the graze of the simple orbit in closed form,
+/// by mpmath).
+#[test]
+fn a_doubled_branch_ends_at_the_graze_of_the_simple_one_where_drag_turns() {
+    let text = format!(
+        "[parameters]\nf = 0.6\nw = 1.3264\n[flight]\nx = 'v'\nv = '-x - 0.1036*v - if(v > 0, 0.1867, -0.0964) + f*cos(w*t)'\n{SECTIONS}\
+         [[contact]]\nname = 'up'\ngap = '0.8787 - x'\nimpulse = {{ v = -1 }}\nrestitution = 0.6531\n\
+         [[contact]]\nname = 'down'\ngap = '0.6521 + x'\nimpulse = {{ v = 1 }}\nrestitution = 0.5589\n\
+         [initial]\nx = 0.1\nv = 0\n"
+    );
+    let simple = 0.454_684_118_598_862;
+    let ends = [SpecialKind::FlightGraze, SpecialKind::BranchPoint].map(End::Again);
+    let model = with(&text, &[]);
+    for (section, step) in [(1, 0.0044), (1, 0.033), (0, 0.022), (0, 0.1)] {
+        let spec = Spec {
+            section: Some(section),
+            ..Spec::default()
+        };
+        let found = follow(&model, ("f", (0.3, 1.4)), step, &spec).unwrap();
+        assert_eq!(found.ends, ends, "{section} {step}");
+        let grazes = places(&found, SpecialKind::FlightGraze);
+        assert_eq!(grazes.len(), 2, "{section} {step}: {grazes:?}");
+        assert!((grazes[0] - simple).abs() < 1e-14, "{grazes:?}");
+    }
+}
+
+/// A wall that throws slow impacts back faster than fast ones: an impact that comes in at a graze is a slow one, whatever the impact after it, and one
+/// that goes out leaves a flight whichever it was (closed form, by mpmath).
+#[test]
+fn an_impact_that_comes_in_asks_for_the_restitution_of_its_own_rate() {
+    let text = format!(
+        "[parameters]\nf = 0.6\nw = 0.6744\n[flight]\nx = 'v'\nv = '-x - 0.1767*v + f*cos(w*t)'\n{SECTIONS}\
+         [[contact]]\nname = 'wall'\ngap = '0.8787 - x'\nimpulse = {{ v = -1 }}\n\
+         restitution = 'if(v < 0.3565, 0.8061, 0.5702)'\n[initial]\nx = 0.1\nv = 0\n"
+    );
+    let expected = [
+        (SpecialKind::Touch, 0.522_813_619_926_750_3),
+        (SpecialKind::Fold, 0.949_655_260_015_167_5),
+        (SpecialKind::FlightGraze, 0.952_353_623_051_733_2),
+        (SpecialKind::Touch, 1.010_704_976_690_513_4),
+    ];
+    let model = with(&text, &[]);
+    for step in [0.004, 0.03] {
+        let found = follow(&model, ("f", (0.1, 1.1)), step, &Spec::default()).unwrap();
+        let places = told(&found);
+        assert_eq!(places.len(), expected.len(), "{step}: {places:?}");
+        for (place, (kind, value)) in places.iter().zip(expected) {
+            assert_eq!(place.0, kind);
+            assert!((place.1 - value).abs() < 1e-14, "{step}: {place:?}");
+        }
+    }
+    assert_eq!(
+        is_the_same_from_everywhere(&text, ("f", (0.1, 1.1)), 4),
+        Ok(4)
+    );
+}
+
 /// A pair leaves the circle, becomes real, and one of the two comes back within it by a period doubling: within one step.
 #[test]
 fn a_pair_that_becomes_real_beside_the_circle_is_told() {

@@ -374,3 +374,50 @@ fn a_multiplier_that_passes_and_comes_back_within_a_step_is_told() {
         );
     }
 }
+
+/// A swing is driven by a pulse that ends just as the swing is at its crest (closed form, by mpmath), and the crest grazes a wall: rounding says whether the
+/// graze comes before the end of the pulse or after it. Impacts of every second period shrink to it, too, and have met the simple orbit there.
+#[test]
+fn a_graze_where_a_pulse_ends_is_passed_and_met() {
+    let touch = 0.990_487_121_867_032_9;
+    let text = |start: f64| {
+        format!(
+            "[parameters]\nF = {start}\n[flight]\nx = 'v'\nv = '-x - 0.1*v + F*if(mod(t, 7) < 1.5061355081561787, 1, 0)'\n[[contact]]\n\
+             name = 'wall'\ngap = '2 - x'\nimpulse = {{ v = -1 }}\nrestitution = 0.7\n[section.s]\nsurface = 'sin(2*pi*(t - 4)/7)'\n\
+             direction = 'rising'\n[initial]\nx = 0\nv = 0\n"
+        )
+    };
+    let met = [End::Again(SpecialKind::FlightGraze), End::Range];
+    for (start, ends) in [(0.8, [End::Range, End::Range]), (1.5, met)] {
+        for step in [0.1, 0.01] {
+            let branch = over(&with(&text(start), &[]), "F", (0.6, 1.6), (6, step)).swap_remove(0);
+            assert_eq!(branch.ends, ends, "{start} {step}");
+            let mut grazes = branch.special.iter().filter(|s| s.kind.is_graze());
+            let graze = grazes.next().unwrap();
+            assert!(
+                (value(graze) - touch).abs() < 1e-14,
+                "{start} {step} {}",
+                value(graze)
+            );
+            assert_eq!((graze.kind, grazes.count()), (SpecialKind::FlightGraze, 0));
+        }
+    }
+}
+
+/// A gear that its load holds against a stop just leaves it where the force that swings reaches the load. From chatter down flights shrink to nothing there, at
+/// all steps: what rounding leaves of the last impact is no graze.
+#[test]
+fn flights_that_shrink_to_nothing_graze_nowhere() {
+    let text = "[parameters]\nf = 0.23\n[flight]\nx = 'v'\nv = '-0.1422*v + 0.1919 - f*cos(1.3198*t)'\n[[contact]]\nname = 'up'\n\
+                gap = '0.4761 - x'\nimpulse = { v = -1 }\nrestitution = 0.6619\n[section.s]\nsurface = 'sin(1.3198*t)'\n\
+                direction = 'rising'\n[initial]\nx = 0.1\nv = 0\n";
+    for step in [0.033, 0.03, 0.02, 0.011, 0.004] {
+        let branch = over(&with(text, &[]), "f", (0.1, 0.25), (6, step)).swap_remove(0);
+        let told: Vec<_> = branch.special.iter().map(|s| (s.kind, value(s))).collect();
+        let [(SpecialKind::Touch, at)] = told[..] else {
+            panic!("{step}: {told:?} {:?}", branch.ends);
+        };
+        assert!((at - 0.1919).abs() < 1e-12, "{step}: {at}");
+        assert_eq!(branch.ends, [End::Range, End::Range], "{step}");
+    }
+}

@@ -3,7 +3,7 @@
 use crate::periodic::{orbit, settles};
 use chatter::analysis::diagram::{Exponent, Outcome, Range, Spec, Threads, diagram};
 use chatter::analysis::exponents;
-use chatter::analysis::periodic::PeriodicError;
+use chatter::analysis::periodic::{MarginKind, PeriodicError};
 use chatter::analysis::return_map::{ReturnMap, ReturnSpec};
 use chatter::model::Model;
 use chatter::numerics::Real;
@@ -69,6 +69,11 @@ fn masses_that_all_come_to_rest_have_an_orbit_without_memory() {
             "{left}: {:?}",
             found.margins
         );
+        // There all three begin to move at once, at a wall that is left with the jerk of their common mass.
+        let jerk = force * w * (w * left / units.1).sin() / 3.1 * units.0 / units.1.powi(3);
+        let of = |kind| found.margins.iter().find(move |m| m.kind == kind);
+        let told = of(MarginKind::ReleaseJerk).unwrap();
+        assert!((told.value / jerk - 1.0).abs() < 1e-10, "{told:?} {jerk}");
     }
 }
 

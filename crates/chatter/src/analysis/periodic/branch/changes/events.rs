@@ -25,16 +25,20 @@ impl Shooting<f64> {
         let mut steps = self.current_steps(at);
         let whole = steps[index].clone();
         let touches = |mode: usize| {
-            Passage::Leg(LegKind {
+            let kind = LegKind {
                 mode,
                 ends_at: Some(least.guard),
                 jump,
-            })
+            };
+            let (kind, pieces) = self.to_impact(at, kind, (&least.state, &whole));
+            (Passage::Leg(kind), pieces)
         };
         let index = match whole.passage {
             Passage::Leg(kind) => {
+                let (passage, pieces) = touches(kind.mode);
                 let first = Step {
-                    passage: touches(kind.mode),
+                    passage,
+                    pieces,
                     duration: least.time,
                     told: Vec::new(),
                     closed: self.closed_before(index),
@@ -51,8 +55,10 @@ impl Shooting<f64> {
             // Nothing else happens: one leg from the touch to the next one.
             Passage::Timed(kind) | Passage::Around(kind) => {
                 let period = steps.iter().map(|step| step.duration).sum();
+                let (passage, pieces) = touches(kind.mode);
                 steps = vec![Step {
-                    passage: touches(kind.mode),
+                    passage,
+                    pieces,
                     start: least.state.clone(),
                     duration: period,
                     ..whole
@@ -162,7 +168,7 @@ impl Shooting<f64> {
             {
                 return Err(unfollowed("the loss of a section where the mode changes"));
             }
-            (Passage::Leg(_), Passage::Leg(other)) if other.mode == kind.mode => {
+            (Passage::Leg(_), Passage::Leg(other)) if self.moves_alike(kind.mode, other.mode) => {
                 Passage::Leg(other)
             }
             (Passage::Leg(_), Passage::Leg(other))
@@ -191,7 +197,9 @@ impl Shooting<f64> {
                     ..whole.up_to(whole.last)
                 })
             }
-            (Passage::Stretch(whole), Passage::Leg(last)) if last.mode == kind.mode => {
+            (Passage::Stretch(whole), Passage::Leg(last))
+                if self.moves_alike(kind.mode, last.mode) =>
+            {
                 Passage::Stretch(whole.up_to(last))
             }
             (Passage::Stretch(first), Passage::Stretch(whole)) => Passage::Stretch(StretchKind {

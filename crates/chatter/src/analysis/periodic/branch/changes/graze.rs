@@ -110,7 +110,7 @@ impl Walker {
         }
         // Of the equations as they are.
         let headings = (self.heading(&from), self.heading(&station));
-        let known = self.special.len();
+        let (known, before) = (self.special.len(), self.shooting.clone());
         let outcome = match broken {
             Broken::Inner(index, GuardKind::Gap(contact))
             | Broken::Early(index, GuardKind::Gap(contact))
@@ -126,6 +126,10 @@ impl Walker {
             Broken::Event(index) if self.shooting.has_come_back(&station.at, index) => {
                 Err(broken.told(&self.shooting))
             }
+            // A flight that begins with a release shrinks to nothing with the jerk there, and rounding is what is left of its impact.
+            Broken::Event(index) if !self.is_flight(&station, index) => {
+                Err(broken.told(&self.shooting))
+            }
             Broken::Event(index) => self.lose(&station, index, &there),
             // The rate that turns is that of the impact, and the flight after it begins where it does.
             Broken::Beyond(index, GuardKind::Switch(_)) if self.follows_graze(index) => {
@@ -135,6 +139,10 @@ impl Walker {
                 if self.shooting.steps[index].impact().is_some() =>
             {
                 self.lose(&station, index, &there)
+            }
+            // Friction that is too weak to stop what slides slows it as much.
+            Broken::Early(index, GuardKind::Leave(..)) if self.shooting.stops(index) => {
+                Err(broken.told(&self.shooting))
             }
             Broken::Early(index, guard) => {
                 self.meets_with_event(&station, (index, guard), &there);
@@ -179,15 +187,42 @@ impl Walker {
             _ => headings.1,
         };
         // An orbit that goes more than once around a simple one from here on: it has met that at its graze.
-        if let (Broken::Event(_), Ok(next)) = (&broken, &outcome)
+        if let Ok(next) = &outcome
             && goes_around(&self.shooting, &next.at)
         {
+            self.tell_as_loss((before, known), &station, &there);
             let kind = self.special.last().map(|special| special.kind);
             return Stop::End(kind.map_or(End::Range, End::Again));
         }
         match self.goes_on(outcome, (curve, forward), here) {
             Stop::End(end @ End::Lost(_)) => Stop::Broken(end, Box::new(station)),
             other => other,
+        }
+    }
+
+    /// Tells the place where one part of an orbit touches and the impact of another part loses its rate as the latter, whichever was found first:
+    /// the latest special point is of the equations without the touch, after so many others.
+    fn tell_as_loss(
+        &mut self,
+        (mut before, known): (Shooting<f64>, usize),
+        station: &Station,
+        there: &Point,
+    ) {
+        let impacts = |shooting: &Shooting<f64>| {
+            let steps = shooting.steps.iter();
+            steps.filter(|step| step.impact().is_some()).count()
+        };
+        let comes_in = impacts(&self.shooting) > impacts(&before);
+        let is_known = comes_in && before.evaluate(&station.at).is_ok();
+        let Some(index) = before.without_rate().filter(|_| is_known) else {
+            return;
+        };
+        let told = self.special.split_off(known);
+        let longer = core::mem::replace(&mut self.shooting, before);
+        if self.lose(station, index, there).is_err() {
+            self.special.truncate(known);
+            self.special.extend(told);
+            self.shooting = longer;
         }
     }
 
@@ -207,7 +242,9 @@ impl Walker {
         let forward = self.heading(&curve.station);
         let exchanged = self.shooting.exchanged(&station.at, index);
         let shows = |exchanged: &Exchanged| Shooting::order_shows(exchanged).unwrap_or(true);
-        let is_told = !self.shooting.is_knot(index) && exchanged.as_ref().map_or(true, shows);
+        // Where friction begins or ceases to stop what slides at an impact other impacts do beside it, and nothing is told of any.
+        let is_passed = self.shooting.is_knot(index) || self.shooting.slips_about(index);
+        let is_told = !is_passed && exchanged.as_ref().map_or(true, shows);
         if is_told {
             self.note_exchange(&station, index, &there);
         }
@@ -323,6 +360,22 @@ impl Walker {
         let (rate, terms) = self.shooting.gap_rate(&station.at, (index, contact));
         // From zero with this rate, and back to where both vanish: a cubic.
         let height = 4.0 / 27.0 * (rate * touch.time).abs();
+        height.is_nan() || height > LEAST_HEIGHT * f64::EPSILON * terms
+    }
+
+    /// Whether the flight before an impact, if it begins with a release of the same contact, can be told from rounding of the gap.
+    fn is_flight(&self, station: &Station, index: usize) -> bool {
+        let before = self.shooting.before(index);
+        let Some(contact) = self.shooting.steps[index].impact() else {
+            return true;
+        };
+        if self.shooting.steps[before].ends_at() != Some(GuardKind::Reaction(contact)) {
+            return true;
+        }
+        let [release, flight] = [before, index].map(|k| &self.shooting.latest[k]);
+        let (_, terms) = self.shooting.gap_rate(&station.at, (index, contact));
+        // From rest with this jerk, and back to the contact: a quartic.
+        let height = 27.0 / 1536.0 * (release.surface_rate * flight.duration.powi(3)).abs();
         height.is_nan() || height > LEAST_HEIGHT * f64::EPSILON * terms
     }
 
@@ -529,7 +582,7 @@ impl Walker {
         // To the side where the gap stays open.
         let guard = self.shooting.steps[index].ends_at();
         let beside = [index, self.shooting.after(index)].map(|k| self.shooting.steps[k].mode());
-        let turns = beside[0] != beside[1] && shorter.turns(merged);
+        let turns = !self.shooting.moves_alike(beside[0], beside[1]) && shorter.turns(merged);
         // Of several least values that the gap has on the way the one that was touched; where that was the only event the way begins and ends
         // with it.
         let touched_at = self.shooting.latest[index].duration;

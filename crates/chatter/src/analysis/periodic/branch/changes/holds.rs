@@ -417,8 +417,13 @@ const TIE: f64 = 1e-6;
 /// Whether of what breaks at one place the one is an impact that loses its rate, and the other a flight that touches, or one that
 /// begins on the surface that the rate crosses at the impact.
 fn loses(shooting: &Shooting<f64>, one: &Broken, other: &Broken) -> bool {
-    let &Broken::Event(impact) = one else {
-        return false;
+    let impact = match *one {
+        Broken::Event(impact) => impact,
+        // Where drag turns with that rate its surface comes before the impact.
+        Broken::Early(impact, guard @ GuardKind::Switch(_)) if !shooting.asks(impact, guard) => {
+            impact
+        }
+        _ => return false,
     };
     let follows = match *other {
         Broken::Inner(_, GuardKind::Gap(_)) => true,

@@ -29,11 +29,15 @@ impl Shooting<f64> {
         let Some((kind, surface)) = turn(&steps[index]) else {
             return Err(unfollowed("a graze where another event ends the flight"));
         };
-        steps[index].passage = Passage::Leg(LegKind {
+        let kind = LegKind {
             ends_at: Some(GuardKind::Gap(contact)),
             jump: Jump::Impact(contact),
             ..kind
-        });
+        };
+        let touch = &steps[self.after(index)].start;
+        let (kind, pieces) = self.to_impact(at, kind, (touch, &steps[index]));
+        steps[index].passage = Passage::Leg(kind);
+        steps[index].pieces = pieces;
         // However weak, it takes the state off a surface that it would slide along, and a way back to that comes in as well, of no time yet.
         let after = self.after(index);
         if self.slides_along(&steps[after], surface)
@@ -170,13 +174,15 @@ impl<R: Real> Shooting<R> {
     /// The surface that an impact takes the state across, and no other: that of the modes before and after it.
     pub(super) fn surface_at_impact(&self, before: usize, after: usize) -> Option<usize> {
         let system = &self.workshop.system;
-        let ((grip, sides, _), (other_grip, other_sides, _)) =
+        let ((grip, sides, on), (other_grip, other_sides, other_on)) =
             (system.origin_of(before)?, system.origin_of(after)?);
         if grip != other_grip {
             return None;
         }
+        // What impacts alone ask for is on whichever side the next one is.
+        let followed = on.followed.surfaces.or(other_on.followed.surfaces);
         let differ = |surface: &usize| sides.get(*surface) != other_sides.get(*surface);
-        let mut surfaces = (0..Sides::MOST).filter(differ);
+        let mut surfaces = followed.members().filter(differ);
         let surface = surfaces.next().filter(|_| surfaces.next().is_none())?;
         let slides = |sides: Sides| sides.get(surface) == Side::Sliding;
         (!slides(sides) && !slides(other_sides)).then_some(surface)
