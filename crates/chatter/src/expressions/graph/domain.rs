@@ -173,7 +173,7 @@ impl Graph {
     }
 
     /// Whether one expression is minus one times another, by its form.
-    fn is_negative_of(&self, a: Expr, b: Expr) -> bool {
+    pub(super) fn is_negative_of(&self, a: Expr, b: Expr) -> bool {
         match self.node(a) {
             Node::Product(factors) => {
                 factors.len() == 2

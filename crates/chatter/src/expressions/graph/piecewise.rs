@@ -4,6 +4,8 @@
 //! Each is smooth where no surface is crossed. Plain evaluation chooses by value; a flow chooses by its mode, so that it
 //! only ever sees the smooth pieces ([`corners`](crate::expressions::corners)).
 
+mod decided;
+
 use crate::expressions::curve::Curve;
 use crate::expressions::{Expr, Function, Graph, Node};
 use crate::numerics::{DoubleDouble, Real};
@@ -115,8 +117,12 @@ impl Graph {
                 return chosen;
             }
         }
+        if let Some(decided) = self.decided(surface, above, below, edge) {
+            return decided;
+        }
         let one = self.number(1.0);
         let (coefficient, rest) = self.split_coefficient(surface, one);
+        let rest = self.same_sign(rest);
         let (canonical, is_negated) = self.one_surface(rest);
         let flipped = is_negated != (coefficient.high() < 0.0);
         if !flipped {
