@@ -192,6 +192,9 @@ impl Follower {
             Ok(found) => found,
             Err(StepError::TooShort(error)) => {
                 let last = curve.station.clone();
+                if let Some(anew) = self.past_way_onto(curve, &last) {
+                    return Stop::Anew(anew);
+                }
                 let stop = self.past_stay(curve, (&last, bordered));
                 let stop = stop.or_else(|| {
                     let is_end = leaves_at_border(&self.shooting, &last.at, &error);
@@ -202,6 +205,9 @@ impl Follower {
                 return stop.unwrap_or_else(|| Stop::End(self.border(curve, error)));
             }
         };
+        if let Some(anew) = self.past_way_onto(curve, &next) {
+            return Stop::Anew(anew);
+        }
         let from = curve.station.clone();
         let evaluated = self.shooting.evaluate(&next.at);
         let broken =

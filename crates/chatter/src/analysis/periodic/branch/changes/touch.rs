@@ -143,11 +143,7 @@ impl Shooting<f64> {
 
     /// Whether a step leads back to the surface that it has just crossed, to slide along it, and takes no time any more, but for rounding:
     /// its equations have a second solution there, of no time at all.
-    pub(in crate::analysis::periodic::branch) fn has_come_back(
-        &self,
-        at: &[f64],
-        index: usize,
-    ) -> bool {
+    pub(in crate::analysis::periodic) fn has_come_back(&self, at: &[f64], index: usize) -> bool {
         let Some(guard @ GuardKind::Switch(surface)) = self.steps[index].ends_at() else {
             return false;
         };
@@ -191,6 +187,19 @@ impl Shooting<f64> {
         Ok((shooting, at, index))
     }
 
+    /// The same orbit without such a step, and the step that slides from there.
+    pub(in crate::analysis::periodic) fn without_way_onto(
+        &self,
+        at: &[f64],
+        index: usize,
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let mut steps = self.current_steps(at);
+        steps.remove(index);
+        let index = if index < steps.len() { index } else { 0 };
+        let (shorter, at) = self.like(steps, at)?;
+        Ok((shorter, at, index))
+    }
+
     /// The same orbit without such a step, and where that takes no time at all: the flow on the other side of the surface that is slid along
     /// from there turns back to it.
     pub(in crate::analysis::periodic::branch) fn without_stay(
@@ -200,10 +209,7 @@ impl Shooting<f64> {
     ) -> Result<Touched, String> {
         let told = |error: PeriodicError| error.to_string();
         let guard = self.steps[index].ends_at().ok_or("a stay without end")?;
-        let mut steps = self.current_steps(at);
-        steps.remove(index);
-        let index = if index < steps.len() { index } else { 0 };
-        let (shorter, at) = self.like(steps, at).map_err(told)?;
+        let (shorter, at, index) = self.without_way_onto(at, index).map_err(told)?;
         let turn = shorter.with_turn_at_start(&at, (index, guard));
         let turn = turn.map_err(told)?;
         let (start, scales) = (turn.1.clone(), turn.0.scales().to_vec());
