@@ -188,11 +188,11 @@ impl Follower {
             shooting: self.shooting.clone(),
             at: guess,
         };
-        let found = self.begun_from(&own, station, distance);
-        found.or_else(|| {
-            let all = self.beside_graze(&own, distance).into_iter();
-            { all }.find_map(|beside| self.begun_from(&beside, station, distance))
-        })
+        let goes_on = |begun: Begun| self.goes_on_from(begun, station, distance);
+        let of_motion = |beside: &Beside| self.begun_from(beside).and_then(goes_on);
+        let found = (self.up_to_graze(&own).into_iter()).find_map(goes_on);
+        let found = found.or_else(|| of_motion(&own));
+        found.or_else(|| (self.beside_graze(&own, distance).iter()).find_map(of_motion))
     }
 
     /// Orbits beside a graze, which pass the contact by on one of its sides: those of the equations without the impact, as well as they
@@ -225,7 +225,7 @@ impl Follower {
     }
 
     /// The curve that the motion shows from such an orbit.
-    fn begun_from(&self, beside: &Beside, station: &Station, distance: f64) -> Option<Onward> {
+    fn begun_from(&self, beside: &Beside) -> Option<Begun> {
         let (shooting, at) = (&beside.shooting, &beside.at);
         let workshop = &shooting.workshop;
         let free = shooting.free(at).to_vec();
@@ -257,12 +257,17 @@ impl Follower {
                 |lap| lap.time,
             ),
         };
+        begin_at_graze(workshop, &free, (&known, grazed)).ok()
+    }
+
+    /// The curve from there on, if it has another sequence of events, as many impacts, and begins where this one ends.
+    fn goes_on_from(&self, begun: Begun, station: &Station, distance: f64) -> Option<Onward> {
         let Begun {
             shooting: mut beyond,
             at,
             condition,
             grazing,
-        } = begin_at_graze(workshop, &free, (&known, grazed)).ok()?;
+        } = begun;
         let own = &self.shooting;
         let is_other =
             beyond.impacts() == own.impacts() && !same_sequence(&own.steps, &beyond.steps);
@@ -270,7 +275,7 @@ impl Follower {
             return None;
         }
         beyond.told.clone_from(&own.told);
-        let sizes = &workshop.sizes;
+        let sizes = &own.workshop.sizes;
         let bordered = condition.near(&mut beyond, &at, None).ok()?;
         let there = Station::near(&mut bordered.of(&mut beyond), &at, at.len() - 1).ok()?;
         let gone = |shooting: &Shooting<f64>, to: &Station| -> Vec<f64> {
@@ -344,15 +349,15 @@ impl Follower {
 }
 
 /// An orbit that the motion is followed from, and of a graze the contact, the step on which it is, and how long after its start.
-struct Beside {
-    shooting: Shooting<f64>,
-    at: Vec<f64>,
-    grazed: Option<(usize, usize, f64)>,
+pub(super) struct Beside {
+    pub shooting: Shooting<f64>,
+    pub at: Vec<f64>,
+    pub grazed: Option<(usize, usize, f64)>,
 }
 
 impl Beside {
     /// The node to follow the motion from: after the fastest impact, or where the longest flight begins.
-    fn best_node(&self) -> Option<usize> {
+    pub(super) fn best_node(&self) -> Option<usize> {
         let shooting = &self.shooting;
         let steps = shooting.current_steps(&self.at);
         let rate = |node: usize| {
