@@ -121,18 +121,19 @@ fn begin_at(
         }
         _ => return Err(unfollowed()),
     };
-    solved((shooting, at), (condition, grazing), known.kind)
+    let held = Row::held(&at, at.len() - 1..at.len());
+    solved((shooting, at), (condition, grazing), known.kind, &held)
 }
 
-/// The solution near a guess, where the last parameter is held.
+/// The solution near a guess, where one more row is held: the last parameter, mostly.
 pub(super) fn solved(
     (mut shooting, at): (Shooting<f64>, Vec<f64>),
     (condition, grazing): (Condition, Option<usize>),
     kind: SpecialKind,
+    held: &[Row<f64>],
 ) -> Result<Begun, PeriodicError> {
-    let held = Row::held(&at, at.len() - 1..at.len());
     let bordered = condition.near(&mut shooting, &at, None).map_err(failed)?;
-    let found = newton(&mut bordered.of(&mut shooting), &at, &held).map_err(failed)?;
+    let found = newton(&mut bordered.of(&mut shooting), &at, held).map_err(failed)?;
     shooting.evaluate(&found.at).map_err(failed)?;
     is_the_one(&mut shooting, (&at, &found.at), kind)?;
     Ok(Begun {

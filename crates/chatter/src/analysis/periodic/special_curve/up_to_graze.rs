@@ -3,7 +3,9 @@
 
 use super::follower::Follower;
 use super::past_break::Beside;
+use super::past_touch::holds;
 use super::start::{Begun, solved};
+use crate::analysis::continuation::Condition as Row;
 use crate::analysis::periodic::branch::legal;
 use crate::analysis::periodic::condition::Condition;
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step, read};
@@ -33,7 +35,7 @@ impl Follower {
     }
 
     fn up_to_graze_from(&self, own: &Beside, node: usize) -> Option<Begun> {
-        let (contact, grazing, _) = own.grazed?;
+        let (_, grazing, _) = own.grazed?;
         let (shooting, at) = (&own.shooting, &own.at);
         let workshop = &shooting.workshop;
         let free = shooting.free(at).to_vec();
@@ -73,9 +75,17 @@ impl Follower {
         let grazing = all.len();
         all.push(graze);
         all.extend_from_slice(&steps[last + 1..]);
-        debug_assert_eq!(all[grazing].impact(), Some(contact));
         let (beyond, at) = shooting.like(all, at).ok()?;
-        let condition = Condition::Monitor(grazing);
-        solved((beyond, at), (condition, Some(grazing)), self.kind).ok()
+        let condition = (Condition::Monitor(grazing), Some(grazing));
+        let solved = |held: &[Row<f64>]| {
+            let begun = solved((beyond.clone(), at.clone()), condition, self.kind, held).ok()?;
+            let mut shooting = begun.shooting.clone();
+            holds(&mut shooting, &begun.at, begun.grazing).then_some(begun)
+        };
+        // The curve may turn back in the parameter there. What has come in as the sequence changed lasts but for a moment, which grows.
+        let places = (0..beyond.steps.len()).filter_map(|index| beyond.duration_place(index));
+        let shortest = places.min_by(|&a, &b| at[a].total_cmp(&at[b]))?;
+        let of_parameter = solved(&Row::held(&at, at.len() - 1..at.len()));
+        of_parameter.or_else(|| solved(&[Row::fixed(at.len(), shortest, at[shortest])]))
     }
 }

@@ -120,7 +120,7 @@ impl Shooting<f64> {
     }
 
     /// Whether a step begins on the surface of a guard, which it has just crossed.
-    pub(super) fn begins_at(&self, index: usize, guard: GuardKind) -> bool {
+    pub(in crate::analysis::periodic) fn begins_at(&self, index: usize, guard: GuardKind) -> bool {
         let before = self.steps[self.before(index)].ends_at();
         guard.opposite().is_some() && before == guard.opposite()
     }
