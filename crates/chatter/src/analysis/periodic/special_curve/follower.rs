@@ -255,6 +255,7 @@ impl Follower {
         }
         if let Some(end) = self.is_of_no_kind() {
             let stop = self.past_stay(curve, (&from, bordered));
+            let stop = stop.or_else(|| self.leaps_to_end_of_stay(curve, (&from, bordered)));
             return stop.unwrap_or(Stop::End(end));
         }
         let edge = self.limits.beyond(next.parameter());

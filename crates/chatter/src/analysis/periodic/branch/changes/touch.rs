@@ -80,14 +80,23 @@ impl Shooting<f64> {
         all.min_by(|&a, &b| stay(a).total_cmp(&stay(b)))
     }
 
-    /// Of that the crossing, and where the duration of the stay stands among the unknowns, if it takes no time any more but for rounding.
+    /// Of that the crossing, and where the duration of the stay stands among the unknowns, if it takes no more than this part of the period.
+    pub(in crate::analysis::periodic) fn stay_within(
+        &self,
+        at: &[f64],
+        part: f64,
+    ) -> Option<(usize, usize)> {
+        let first = self.shortest_stay()?;
+        let place = self.duration_place(self.after(first))?;
+        (at[place] <= part * self.period()).then_some((first, place))
+    }
+
+    /// The same if it takes no time any more but for rounding.
     pub(in crate::analysis::periodic) fn stay_that_vanishes(
         &self,
         at: &[f64],
     ) -> Option<(usize, usize)> {
-        let first = self.shortest_stay()?;
-        let place = self.duration_place(self.after(first))?;
-        (at[place] <= VANISHED * self.period()).then_some((first, place))
+        self.stay_within(at, VANISHED)
     }
 
     /// The same orbit that only touches where it crosses at the end of a step and comes back, and the step that ends there.
