@@ -1,12 +1,12 @@
-//! Curves of folds in two parameters beside a jump of the force: with a stay beyond the jump, and without.
+//! Curves of folds and doublings in two parameters beside a jump of the force: with a stay beyond the jump, and without.
 
 use super::plane::{curve_within, of};
 use super::with;
 use chatter::analysis::periodic::{End, Known, Limits, SpecialKind};
 
 /// Preloaded springs to both sides and a rigid stop.
-const VIBRATOR: &str = "[parameters]\nF = 0.9\nw = 0.8\n[flight]\nx = 'v'\n\
-    v = 'F*cos(w*t) - 0.06*v - 0.3*x - if(x > 0.3, 0.15 + 3*(x - 0.3), if(x < -0.3, -0.15 + 3*(x + 0.3), 0))'\n\
+const VIBRATOR: &str = "[parameters]\nF = 0.9\nP = 0.15\nw = 0.8\n[flight]\nx = 'v'\n\
+    v = 'F*cos(w*t) - 0.06*v - 0.3*x - if(x > 0.3, P + 3*(x - 0.3), if(x < -0.3, -P + 3*(x + 0.3), 0))'\n\
     [[contact]]\nname = 'stop'\ngap = '0.9 - x'\nimpulse = { v = -1 }\nrestitution = 0.6\n\
     [section.s]\nsurface = 'sin(w*t)'\ndirection = 'rising'\n[initial]\nx = 0\nv = 0\n";
 
@@ -58,5 +58,41 @@ fn curves_of_folds_with_a_stay_beyond_a_jump_and_without_end_at_touches_of_their
             assert!(off <= touch.error.max(1e-14), "{off} {}", touch.error);
             assert!(touch.error < 1e-12, "{}", touch.error);
         }
+    }
+}
+
+/// Where the preload comes to nothing, and the jump with it, the stay of a curve of doublings does, at long steps as at short ones: these may leap over
+/// what is left of it. (The place by the closed form of the flights, with mpmath.)
+#[test]
+fn a_curve_of_doublings_ends_where_its_stay_does_whatever_the_steps() {
+    let w = 0.760_920_799_009_485_5;
+    let preload = 0.095_756_228_067_150_56;
+    let model = with(VIBRATOR, &[("P", &format!("{preload:?}"))]);
+    let period = core::f64::consts::TAU / w;
+    let known = Known {
+        kind: SpecialKind::PeriodDoubling,
+        monitor: None,
+        state: vec![0.335_711_368_782_973_6, -0.218_699_481_833_229_82, period],
+        period,
+    };
+    for longest_step in [0.04, 0.01] {
+        let limits = Limits {
+            range: (0.0, 0.12),
+            other: None,
+            impacts: 60,
+            points: 300,
+            longest_step,
+        };
+        let curve = curve_within(&model, ["w", "P"], (&known, w), &limits).unwrap();
+        let is_touch = curve.ends.contains(&End::At(SpecialKind::Touch));
+        assert!(is_touch, "{longest_step}: {:?}", curve.ends);
+        let touches = of(&curve, SpecialKind::Touch);
+        let [touch] = &touches[..] else {
+            panic!("{longest_step}: {touches:?}")
+        };
+        let off = (touch[0] - 0.755_393_156_236_185_4)
+            .abs()
+            .max(touch[1].abs());
+        assert!(off < 1e-14, "{touch:?}");
     }
 }

@@ -1,15 +1,18 @@
 //! What breaks where a rate turns on a surface on which the force changes: a graze after which the state is held there, and an impact that loses its
 //! rate.
 
-use super::follower::{Follower, NOT_QUITE};
+use super::follower::{Follower, NOT_QUITE, VANISHES};
 use super::past_touch::touched;
 use crate::analysis::continuation::{Problem, Station, locate};
 use crate::analysis::periodic::branch::Broken;
 use crate::analysis::periodic::condition::Bordered;
+use crate::analysis::periodic::cycle::itinerary::Step;
 use crate::flow::GuardKind;
+use crate::flow::leg::Landing;
 
 impl Follower {
-    /// Where the flow after a graze turns back to the surface that its rate turns on, if that is what breaks: beyond, the state stays on it.
+    /// Where the flow after a graze turns back to the surface that its rate turns on, or to one that was crossed, if that is what breaks: beyond, the
+    /// state stays on it.
     pub(super) fn turns_back(
         &mut self,
         broken: &Broken,
@@ -18,7 +21,9 @@ impl Follower {
     ) -> Option<(Station, f64)> {
         let (index, guard) = touched(broken)?;
         let is_next = self.grazing == Some(self.shooting.before(index));
-        if !(is_next && self.shooting.begins_on_turn(index, guard)) {
+        let after_graze = is_next && self.shooting.begins_on_turn(index, guard);
+        // The least value on the way is next to nothing all along where that begins on the surface.
+        if !(after_graze || self.shooting.begins_at(index, guard)) {
             return None;
         }
         let reader = self.shooting.clone();
@@ -33,20 +38,29 @@ impl Follower {
     }
 
     /// The impact that loses its rate where this breaks: the rate may turn on a surface on which the force changes, too, which then comes first.
-    pub(super) fn loses_rate(&mut self, broken: &Broken, station: &Station) -> Option<Broken> {
+    pub(super) fn loses_rate(
+        &mut self,
+        broken: &Broken,
+        (from, station): (&Station, &Station),
+    ) -> Option<Broken> {
         let index = match *broken {
             Broken::Early(index, GuardKind::Switch(_)) => index,
             Broken::Beyond(index, GuardKind::Switch(_)) => self.shooting.before(index),
             _ => return None,
         };
         self.shooting.steps[index].impact()?;
-        self.shooting.evaluate(&station.at).ok()?;
-        let rates = self.shooting.latest.iter().zip(&self.shooting.steps);
-        let rates = rates.filter(|(_, step)| step.impact().is_some());
-        let most = rates.fold(0.0_f64, |most, (landing, _)| {
-            most.max(landing.surface_rate.abs())
-        });
-        let own = self.shooting.latest[index].surface_rate.abs();
-        (self.grazing != Some(index) && own <= NOT_QUITE * most).then_some(Broken::Event(index))
+        let mut rates = |station: &Station| -> Option<Vec<f64>> {
+            self.shooting.evaluate(&station.at).ok()?;
+            let landings = self.shooting.latest.iter().zip(&self.shooting.steps);
+            let rate = |(landing, step): (&Landing<f64>, &Step)| {
+                step.impact().map_or(0.0, |_| landing.surface_rate.abs())
+            };
+            Some(landings.map(rate).collect())
+        };
+        let (before, here) = (rates(from)?, rates(station)?);
+        // Where it is the only one it is to vanish against what it was.
+        let most = { here.iter().chain(&before) }.fold(0.0_f64, |most, rate| most.max(*rate));
+        let vanishes = here[index] <= NOT_QUITE * most || here[index] <= VANISHES * before[index];
+        (self.grazing != Some(index) && vanishes).then_some(Broken::Event(index))
     }
 }

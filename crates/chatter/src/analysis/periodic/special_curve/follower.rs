@@ -6,8 +6,8 @@ use crate::analysis::continuation::{
     Curve, NewtonError, Problem, Station, StepError, locate, meeting,
 };
 use crate::analysis::periodic::branch::{
-    Broken, End, Kept, Ledger, Limits, Of, Point, Side, Special, SpecialKind, Stand, Standing,
-    Then, broken_beside, damaged, first_break, least_beside, moved, station_at,
+    Along, Broken, End, Kept, Ledger, Limits, Of, Point, Side, Special, SpecialKind, Stand,
+    Standing, Then, broken_beside, damaged, first_break, least_beside, moved, station_at,
 };
 use crate::analysis::periodic::condition::{Bordered, Condition};
 use crate::analysis::periodic::diary::{Diary, Told};
@@ -44,7 +44,7 @@ pub(super) const NOT_QUITE: f64 = 1e-5;
 /// Where a curve begins on such a point what vanishes there does so nearer than so many roundoffs of the solution's size.
 const BEGINS: f64 = 64.0;
 /// At a point of codimension two what vanishes is below this part of what it was to both sides.
-const VANISHES: f64 = 1e-4;
+pub(super) const VANISHES: f64 = 1e-4;
 
 /// How the way to the next station ended.
 pub(super) enum Stop {
@@ -94,9 +94,10 @@ impl Follower {
         let condition = self.condition_of(&mut shooting, &stand.station.at);
         (self.condition, self.grazing) = condition.ok_or_else(damaged)?;
         self.shooting = shooting;
-        let Of::Curve(borders) = stand.of else {
+        let Of::Curve(Along { borders, passed }) = stand.of else {
             return Err(damaged());
         };
+        self.passed = passed;
         let equations = self.shooting.unknowns() - self.shooting.parameters();
         let singular = matches!(self.condition, Condition::Singular(_));
         if singular && borders.len() != 2 * equations {
@@ -154,7 +155,10 @@ impl Follower {
                     step: curve.step,
                     here: point,
                     made: steps,
-                    of: Of::Curve(bordered.numbers()),
+                    of: Of::Curve(Along {
+                        borders: bordered.numbers(),
+                        passed: self.passed.clone(),
+                    }),
                 };
                 let standing = Standing::of(&self.shooting, &stand);
                 let then = (Then::On(Box::new(standing)), steps);
@@ -192,6 +196,9 @@ impl Follower {
             Ok(found) => found,
             Err(StepError::TooShort(error)) => {
                 let last = curve.station.clone();
+                if let Some(anew) = self.past_way_onto(curve, &last) {
+                    return Stop::Anew(anew);
+                }
                 let stop = self.past_stay(curve, (&last, bordered));
                 let stop = stop.or_else(|| {
                     let is_end = leaves_at_border(&self.shooting, &last.at, &error);
@@ -202,6 +209,9 @@ impl Follower {
                 return stop.unwrap_or_else(|| Stop::End(self.border(curve, error)));
             }
         };
+        if let Some(anew) = self.past_way_onto(curve, &next) {
+            return Stop::Anew(anew);
+        }
         let from = curve.station.clone();
         let evaluated = self.shooting.evaluate(&next.at);
         let broken =
@@ -211,6 +221,11 @@ impl Follower {
             // The last correction may have taken what is left of a stay.
             Err(left) => {
                 let stop = self.past_stay(curve, (&from, bordered));
+                let stop = stop.or_else(|| {
+                    let vanishes = self.shrinks(&from);
+                    let past = self.past_break(curve, (&from, bordered), Some(vanishes));
+                    past.map(Stop::Anew)
+                });
                 return stop.unwrap_or_else(|| Stop::End(End::Lost(left.to_string())));
             }
         };
@@ -240,6 +255,7 @@ impl Follower {
         }
         if let Some(end) = self.is_of_no_kind() {
             let stop = self.past_stay(curve, (&from, bordered));
+            let stop = stop.or_else(|| self.leaps_to_end_of_stay(curve, (&from, bordered)));
             return stop.unwrap_or(Stop::End(end));
         }
         let edge = self.limits.beyond(next.parameter());
@@ -494,7 +510,9 @@ impl Follower {
         match self.exchange(curve, (index, station, ahead), bordered) {
             Ok(anew) => Stop::Anew(anew),
             Err(end @ End::Lost(_)) => {
-                let vanishes = (self.left_of(broken, station), ahead);
+                let before = self.left_of(broken, &curve.station);
+                let here = self.left_of(broken, station);
+                let vanishes = (here, (here - before) / ahead);
                 let past = self.past_break(curve, (station, bordered), Some(vanishes));
                 past.map_or(Stop::End(end), Stop::Anew)
             }
@@ -512,7 +530,7 @@ impl Follower {
         let from = &curve.station.clone();
         let turned = self.turns_back(broken, (from, ahead), bordered);
         let (station, ahead) = (turned.as_ref()).map_or((station, ahead), |(at, by)| (at, *by));
-        let losing = self.loses_rate(broken, station);
+        let losing = self.loses_rate(broken, (from, station));
         let broken = losing.as_ref().unwrap_or(broken);
         // Where both halves of a doubled orbit graze at once its curve meets that of the simple one: the equations are singular there.
         // Near there the equations tell little, and their solutions what is no meeting. Rounding may tell a flight before or after the

@@ -9,6 +9,7 @@
 //! at_turn      where a rate turns on a surface on which the force changes
 //! past_touch   on past where a surface is touched
 //! past_break   on past where the sequence of events changes otherwise, by the motion
+//! up_to_graze  the motion read up to where it grazes
 //! stay_end     the end where a stay comes to nothing and no curve leads on without it
 //! passes       whether it goes through another point that was told
 //! ```
@@ -22,6 +23,7 @@ mod past_break;
 mod past_touch;
 pub(super) mod start;
 mod stay_end;
+mod up_to_graze;
 
 use super::branch::{Branch, End, Limits, Point, Side, Special, SpecialKind, joined};
 use super::diary::Diary;

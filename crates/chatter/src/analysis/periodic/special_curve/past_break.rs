@@ -3,7 +3,7 @@
 
 use super::Known;
 use super::follower::Follower;
-use super::past_touch::{Onward, holds};
+use super::past_touch::{Onward, holds, side_that_holds};
 use super::start::{Begun, Grazed, begin_at_graze};
 use crate::analysis::continuation::{Condition as Row, Curve, Problem, Station, newton};
 use crate::analysis::periodic::branch::{SpecialKind, VANISHED, legal, moved};
@@ -17,8 +17,12 @@ use crate::numerics::{Complex, dot};
 const BEYOND: [f64; 6] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1];
 /// … and the curve is no farther from it than so many times that.
 const NEAR: f64 = 10.0;
+/// Where the curve turns back at such a place orbits of the other sequence are so far from those that were looked for, in that way.
+const ASIDE_OF_CORNER: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 /// The motion is followed so far beside the curve of a graze, against that way.
 const ASIDE: [f64; 2] = [0.1, 10.0];
+/// Without a way that takes no time its unknowns are within so much of where they were, against their sizes.
+const NEAR_ONTO: f64 = 1e-4;
 /// Two such places this near, or one that nothing leads on from, in parts of the parameters' sizes, are one: the curve has turned back.
 const SAME: f64 = 1e-8;
 /// The curve stands still in the plane of parameters where no more than this part of its direction lies there, or, at a place that is told from
@@ -39,12 +43,7 @@ impl Follower {
         vanishes: Option<(f64, f64)>,
     ) -> Option<Bordered> {
         let free = self.shooting.free(&station.at).to_vec();
-        let sizes = self.shooting.workshop.sizes.clone();
-        // Nor is it followed where no step leads on from one such place to the next.
-        let stands = |(known, points): &(Vec<f64>, usize)| {
-            moved(known, &free, &sizes) <= SAME || self.points.len() <= *points
-        };
-        if self.passed.as_ref().is_some_and(stands) {
+        if self.has_passed(&free) {
             return None;
         }
         self.shooting.evaluate(&station.at).ok()?;
@@ -64,6 +63,62 @@ impl Follower {
         {
             self.note(SpecialKind::Touch, station, vanishes);
         }
+        let anew = self.goes_on(onward, curve);
+        self.passed = Some((free, self.points.len()));
+        Some(anew)
+    }
+
+    /// Whether the sequence of events has changed at such parameters just now: the curve has turned back. Nor is it followed where no step leads on
+    /// from one such place to the next.
+    fn has_passed(&self, free: &[f64]) -> bool {
+        let sizes = &self.shooting.workshop.sizes;
+        (self.passed.as_ref()).is_some_and(|(known, points)| {
+            moved(known, free, sizes) <= SAME || self.points.len() <= *points
+        })
+    }
+
+    /// Where the way over a surface and back, to slide along it from there, takes no time any more at a station: on without it. Nothing happens to
+    /// the orbit there, but with that way the equations have a second solution, in which it never takes any.
+    pub(super) fn past_way_onto(
+        &mut self,
+        curve: &mut Curve,
+        station: &Station,
+    ) -> Option<Bordered> {
+        let count = self.shooting.steps.len();
+        let left = |station: &Station, index: usize| {
+            let place = self.shooting.duration_place(index)?;
+            station.at.get(place).copied()
+        };
+        // One that has just come in grows.
+        let is_over = |&index: &usize| {
+            self.shooting.has_come_back(&station.at, index)
+                && left(station, index) <= left(&curve.station, index)
+        };
+        let index = (0..count).find(is_over)?;
+        let free = self.shooting.free(&station.at).to_vec();
+        if self.has_passed(&free) {
+            return None;
+        }
+        let shorter = self.shooting.without_way_onto(&station.at, index);
+        let (mut shorter, guess, _) = shorter.ok()?;
+        let (condition, grazing) = self.condition_of(&mut shorter, &guess)?;
+        let bordered = condition.near(&mut shorter, &guess, None).ok()?;
+        let last = guess.len() - 1;
+        let there = Station::near(&mut bordered.of(&mut shorter), &guess, last).ok()?;
+        if moved(&there.at, &guess, shorter.scales()) > NEAR_ONTO {
+            return None;
+        }
+        let distances = BEYOND.map(|part| part * self.limits.longest_step);
+        let known = (&mut shorter, &bordered);
+        let (next, _) = side_that_holds(known, &there, grazing, &distances)?;
+        shorter.evaluate(&next.at).ok()?;
+        let onward = Onward {
+            shooting: shorter,
+            condition,
+            grazing,
+            bordered,
+            station: next,
+        };
         let anew = self.goes_on(onward, curve);
         self.passed = Some((free, self.points.len()));
         Some(anew)
@@ -133,11 +188,11 @@ impl Follower {
             shooting: self.shooting.clone(),
             at: guess,
         };
-        let found = self.begun_from(&own, station, distance);
-        found.or_else(|| {
-            let all = self.beside_graze(&own, distance).into_iter();
-            { all }.find_map(|beside| self.begun_from(&beside, station, distance))
-        })
+        let goes_on = |begun: Begun| self.goes_on_from(begun, station, distance);
+        let of_motion = |beside: &Beside| self.begun_from(beside).and_then(goes_on);
+        let found = (self.up_to_graze(&own).into_iter()).find_map(goes_on);
+        let found = found.or_else(|| of_motion(&own));
+        found.or_else(|| (self.beside_graze(&own, distance).iter()).find_map(of_motion))
     }
 
     /// Orbits beside a graze, which pass the contact by on one of its sides: those of the equations without the impact, as well as they
@@ -170,7 +225,7 @@ impl Follower {
     }
 
     /// The curve that the motion shows from such an orbit.
-    fn begun_from(&self, beside: &Beside, station: &Station, distance: f64) -> Option<Onward> {
+    fn begun_from(&self, beside: &Beside) -> Option<Begun> {
         let (shooting, at) = (&beside.shooting, &beside.at);
         let workshop = &shooting.workshop;
         let free = shooting.free(at).to_vec();
@@ -202,36 +257,53 @@ impl Follower {
                 |lap| lap.time,
             ),
         };
+        begin_at_graze(workshop, &free, (&known, grazed)).ok()
+    }
+
+    /// The curve from there on, if it has another sequence of events, as many impacts, and begins where this one ends.
+    fn goes_on_from(&self, begun: Begun, station: &Station, distance: f64) -> Option<Onward> {
         let Begun {
             shooting: mut beyond,
             at,
             condition,
             grazing,
-        } = begin_at_graze(workshop, &free, (&known, grazed)).ok()?;
+        } = begun;
         let own = &self.shooting;
         let is_other =
             beyond.impacts() == own.impacts() && !same_sequence(&own.steps, &beyond.steps);
-        if !is_other || !holds(&mut beyond, &at, grazing) {
+        if !is_other {
             return None;
         }
         beyond.told.clone_from(&own.told);
-        let sizes = &workshop.sizes;
-        let gone: Vec<f64> = (beyond.free(&at).iter())
-            .zip(own.free(&station.at))
-            .zip(sizes)
-            .map(|((to, from), size)| (to - from) / size)
-            .collect();
+        let sizes = &own.workshop.sizes;
+        let bordered = condition.near(&mut beyond, &at, None).ok()?;
+        let there = Station::near(&mut bordered.of(&mut beyond), &at, at.len() - 1).ok()?;
+        let gone = |shooting: &Shooting<f64>, to: &Station| -> Vec<f64> {
+            let parts = shooting.free(&to.at).iter().zip(own.free(&station.at));
+            (parts.zip(sizes))
+                .map(|((to, from), size)| (to - from) / size)
+                .collect()
+        };
+        let there = match holds(&mut beyond, &at, grazing) {
+            true => {
+                let along = beyond.free(&there.tangent).iter().zip(sizes);
+                let along: Vec<f64> = along.map(|(by, size)| by / size).collect();
+                match dot(&along, &gone(&beyond, &there)) < 0.0 {
+                    true => there.reversed(),
+                    false => there,
+                }
+            }
+            // The curve has a corner there, and may turn back in the parameter: it goes on where its events come in that order.
+            false => {
+                let distances = ASIDE_OF_CORNER.map(|part| part * distance);
+                let known = (&mut beyond, &bordered);
+                side_that_holds(known, &there, grazing, &distances)?.0
+            }
+        };
+        let gone = gone(&beyond, &there);
         if gone.iter().any(|part| part.abs() > NEAR * distance) {
             return None;
         }
-        let bordered = condition.near(&mut beyond, &at, None).ok()?;
-        let there = Station::near(&mut bordered.of(&mut beyond), &at, at.len() - 1).ok()?;
-        let along = beyond.free(&there.tangent).iter().zip(sizes);
-        let along: Vec<f64> = along.map(|(by, size)| by / size).collect();
-        let there = match dot(&along, &gone) < 0.0 {
-            true => there.reversed(),
-            false => there,
-        };
         if !self.limits.hold(&there) {
             return None;
         }
@@ -277,15 +349,15 @@ impl Follower {
 }
 
 /// An orbit that the motion is followed from, and of a graze the contact, the step on which it is, and how long after its start.
-struct Beside {
-    shooting: Shooting<f64>,
-    at: Vec<f64>,
-    grazed: Option<(usize, usize, f64)>,
+pub(super) struct Beside {
+    pub shooting: Shooting<f64>,
+    pub at: Vec<f64>,
+    pub grazed: Option<(usize, usize, f64)>,
 }
 
 impl Beside {
     /// The node to follow the motion from: after the fastest impact, or where the longest flight begins.
-    fn best_node(&self) -> Option<usize> {
+    pub(super) fn best_node(&self) -> Option<usize> {
         let shooting = &self.shooting;
         let steps = shooting.current_steps(&self.at);
         let rate = |node: usize| {

@@ -183,18 +183,10 @@ impl Follower {
         if moved(&there.at, &guess, shorter.scales()) > NEAR {
             return None;
         }
-        let sides = [there.clone(), there.reversed()];
-        let (next, distance) = BEYOND.iter().find_map(|part| {
-            let distance = part * self.limits.longest_step;
-            let beside = sides.each_ref().map(|side| {
-                let (next, _) = side.ahead(&mut bordered.of(&mut shorter), distance).ok()?;
-                holds(&mut shorter, &next.at, grazing).then_some(next)
-            });
-            match beside {
-                [Some(next), None] | [None, Some(next)] => Some((next, distance)),
-                _ => None,
-            }
-        })?;
+        let reach = self.limits.longest_step;
+        let distances = BEYOND.map(|part| part * reach);
+        let known = (&mut shorter, &bordered);
+        let (next, distance) = side_that_holds(known, &there, grazing, &distances)?;
         let back = next.clone().reversed();
         let within = 2.0 * distance;
         let mut reader = shorter.clone();
@@ -293,6 +285,26 @@ impl Follower {
         self.shooting.adopt(&curve.station.at);
         bordered
     }
+}
+
+/// A station beside another one, to the side where the sequence of events holds, and how far that is from there.
+pub(super) fn side_that_holds(
+    (shooting, bordered): (&mut Shooting<f64>, &Bordered),
+    there: &Station,
+    grazing: Option<usize>,
+    distances: &[f64],
+) -> Option<(Station, f64)> {
+    let sides = [there.clone(), there.clone().reversed()];
+    distances.iter().find_map(|&distance| {
+        let beside = sides.each_ref().map(|side| {
+            let (next, _) = side.ahead(&mut bordered.of(shooting), distance).ok()?;
+            holds(shooting, &next.at, grazing).then_some(next)
+        });
+        match beside {
+            [Some(next), None] | [None, Some(next)] => Some((next, distance)),
+            _ => None,
+        }
+    })
 }
 
 /// Whether the sequence of events holds.

@@ -122,10 +122,20 @@ fn begin_at(
         _ => return Err(unfollowed()),
     };
     let held = Row::held(&at, at.len() - 1..at.len());
+    solved((shooting, at), (condition, grazing), known.kind, &held)
+}
+
+/// The solution near a guess, where one more row is held: the last parameter, mostly.
+pub(super) fn solved(
+    (mut shooting, at): (Shooting<f64>, Vec<f64>),
+    (condition, grazing): (Condition, Option<usize>),
+    kind: SpecialKind,
+    held: &[Row<f64>],
+) -> Result<Begun, PeriodicError> {
     let bordered = condition.near(&mut shooting, &at, None).map_err(failed)?;
-    let found = newton(&mut bordered.of(&mut shooting), &at, &held).map_err(failed)?;
+    let found = newton(&mut bordered.of(&mut shooting), &at, held).map_err(failed)?;
     shooting.evaluate(&found.at).map_err(failed)?;
-    is_the_one(&mut shooting, (&at, &found.at), known.kind)?;
+    is_the_one(&mut shooting, (&at, &found.at), kind)?;
     Ok(Begun {
         shooting,
         at: found.at,

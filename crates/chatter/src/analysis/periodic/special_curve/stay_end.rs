@@ -25,13 +25,37 @@ impl Follower {
     pub(super) fn ends_with_stay(
         &mut self,
         curve: &Curve,
+        known: (&Station, &Bordered),
+    ) -> Option<Stop> {
+        self.ends_with_stay_within(VANISHED, curve, known)
+    }
+
+    /// The same where a step has led from a stay that becomes shorter to what is no orbit of the curve: long steps do before it is as short. That the
+    /// curve goes on to where it takes no time is to show in what is extrapolated.
+    pub(super) fn leaps_to_end_of_stay(
+        &mut self,
+        curve: &Curve,
+        (station, bordered): (&Station, &Bordered),
+    ) -> Option<Stop> {
+        self.shooting.evaluate(&station.at).ok()?;
+        let (_, place) = self.shooting.stay_within(&station.at, LONGEST)?;
+        if station.tangent[place] >= 0.0 {
+            return None;
+        }
+        self.ends_with_stay_within(LONGEST, curve, (station, bordered))
+    }
+
+    fn ends_with_stay_within(
+        &mut self,
+        part: f64,
+        curve: &Curve,
         (station, bordered): (&Station, &Bordered),
     ) -> Option<Stop> {
         if !matches!(self.condition, Condition::Singular(_)) {
             return None;
         }
         self.shooting.evaluate(&station.at).ok()?;
-        let (first, place) = self.shooting.stay_that_vanishes(&station.at)?;
+        let (first, place) = self.shooting.stay_within(&station.at, part)?;
         let (at, off) = self.without_time(&curve.station, place, bordered)?;
         // Told of the orbit without the stay.
         self.shooting.evaluate(&station.at).ok()?;

@@ -80,14 +80,23 @@ impl Shooting<f64> {
         all.min_by(|&a, &b| stay(a).total_cmp(&stay(b)))
     }
 
-    /// Of that the crossing, and where the duration of the stay stands among the unknowns, if it takes no time any more but for rounding.
+    /// Of that the crossing, and where the duration of the stay stands among the unknowns, if it takes no more than this part of the period.
+    pub(in crate::analysis::periodic) fn stay_within(
+        &self,
+        at: &[f64],
+        part: f64,
+    ) -> Option<(usize, usize)> {
+        let first = self.shortest_stay()?;
+        let place = self.duration_place(self.after(first))?;
+        (at[place] <= part * self.period()).then_some((first, place))
+    }
+
+    /// The same if it takes no time any more but for rounding.
     pub(in crate::analysis::periodic) fn stay_that_vanishes(
         &self,
         at: &[f64],
     ) -> Option<(usize, usize)> {
-        let first = self.shortest_stay()?;
-        let place = self.duration_place(self.after(first))?;
-        (at[place] <= VANISHED * self.period()).then_some((first, place))
+        self.stay_within(at, VANISHED)
     }
 
     /// The same orbit that only touches where it crosses at the end of a step and comes back, and the step that ends there.
@@ -120,7 +129,7 @@ impl Shooting<f64> {
     }
 
     /// Whether a step begins on the surface of a guard, which it has just crossed.
-    pub(super) fn begins_at(&self, index: usize, guard: GuardKind) -> bool {
+    pub(in crate::analysis::periodic) fn begins_at(&self, index: usize, guard: GuardKind) -> bool {
         let before = self.steps[self.before(index)].ends_at();
         guard.opposite().is_some() && before == guard.opposite()
     }
@@ -143,11 +152,7 @@ impl Shooting<f64> {
 
     /// Whether a step leads back to the surface that it has just crossed, to slide along it, and takes no time any more, but for rounding:
     /// its equations have a second solution there, of no time at all.
-    pub(in crate::analysis::periodic::branch) fn has_come_back(
-        &self,
-        at: &[f64],
-        index: usize,
-    ) -> bool {
+    pub(in crate::analysis::periodic) fn has_come_back(&self, at: &[f64], index: usize) -> bool {
         let Some(guard @ GuardKind::Switch(surface)) = self.steps[index].ends_at() else {
             return false;
         };
@@ -191,6 +196,19 @@ impl Shooting<f64> {
         Ok((shooting, at, index))
     }
 
+    /// The same orbit without such a step, and the step that slides from there.
+    pub(in crate::analysis::periodic) fn without_way_onto(
+        &self,
+        at: &[f64],
+        index: usize,
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let mut steps = self.current_steps(at);
+        steps.remove(index);
+        let index = if index < steps.len() { index } else { 0 };
+        let (shorter, at) = self.like(steps, at)?;
+        Ok((shorter, at, index))
+    }
+
     /// The same orbit without such a step, and where that takes no time at all: the flow on the other side of the surface that is slid along
     /// from there turns back to it.
     pub(in crate::analysis::periodic::branch) fn without_stay(
@@ -200,10 +218,7 @@ impl Shooting<f64> {
     ) -> Result<Touched, String> {
         let told = |error: PeriodicError| error.to_string();
         let guard = self.steps[index].ends_at().ok_or("a stay without end")?;
-        let mut steps = self.current_steps(at);
-        steps.remove(index);
-        let index = if index < steps.len() { index } else { 0 };
-        let (shorter, at) = self.like(steps, at).map_err(told)?;
+        let (shorter, at, index) = self.without_way_onto(at, index).map_err(told)?;
         let turn = shorter.with_turn_at_start(&at, (index, guard));
         let turn = turn.map_err(told)?;
         let (start, scales) = (turn.1.clone(), turn.0.scales().to_vec());

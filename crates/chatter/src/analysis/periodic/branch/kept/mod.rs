@@ -11,4 +11,4 @@ mod record;
 pub use record::Record;
 
 pub(in crate::analysis::periodic) use ledger::{Kept, Ledger};
-pub(in crate::analysis::periodic) use record::{Of, Stand, Standing, Then, Walked, damaged};
+pub(in crate::analysis::periodic) use record::{Along, Of, Stand, Standing, Then, Walked, damaged};

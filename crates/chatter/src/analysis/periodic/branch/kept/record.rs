@@ -25,7 +25,7 @@ pub struct Record {
 
 impl Record {
     /// In which form records are kept.
-    pub const FORMAT: u32 = 6;
+    pub const FORMAT: u32 = 7;
 
     /// How many orbits it adds.
     pub fn orbits(&self) -> usize {
@@ -77,8 +77,17 @@ pub(in crate::analysis::periodic) struct Standing {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(in crate::analysis::periodic) enum Of {
     Branch(Walked),
-    /// A curve in two parameters: the borders of the matrix that is singular along it.
-    Curve(#[serde(with = "list")] Vec<f64>),
+    Curve(Along),
+}
+
+/// What a walk along a curve in two parameters remembers of its way.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(in crate::analysis::periodic) struct Along {
+    /// The borders of the matrix that is singular along it.
+    #[serde(with = "list")]
+    pub borders: Vec<f64>,
+    /// The parameters where the sequence of events changed last, and how many points there were beyond that.
+    pub passed: Option<(Vec<f64>, usize)>,
 }
 
 /// What a walk along a branch remembers of its way.
