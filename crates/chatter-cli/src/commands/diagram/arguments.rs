@@ -30,11 +30,11 @@ EXAMPLES
 
 TABLE
   For each parameter value (and start): what is swept, outcome (periodic, chaotic, quasiperiodic, unsettled,
-  complete_chatter, left_domain, no_return, no_start, undetermined, not_finite), period, impacts_per_return, with --exponent the
-  largest Lyapunov exponent per sample, start (fresh, carried, random), initial_NAME for each state: where the orbit
-  started. Where several orbits have the same parameters: attractor, the same number for orbits that settled to the
-  same, 0 for none. For each sample: column (which row of the first table, from 0) and each observed quantity. NPZ holds
-  all in one file: numpy.load('fig5.npz')['y2'].
+  complete_chatter, left_domain, no_return, no_start, undetermined, not_finite), period, impacts_per_return, with
+  --exponent the largest Lyapunov exponent per sample, start (fresh, carried, random), initial_NAME for each state:
+  where the orbit started. Where several orbits have the same parameters: attractor, the same number for orbits that
+  settled to the same, 0 for none. For each sample: column (which row of the first table, from 0) and each observed
+  quantity. NPZ holds all in one file: numpy.load('fig5.npz')['y2'].
 
 WHAT ORBITS SETTLE TO
   Judged by the whole state, phases of a forcing up to whole periods, not by what is observed. periodic: it repeats over
