@@ -78,6 +78,11 @@ impl Walker {
         if let Broken::Passed(index) = broken {
             return self.exchange((curve, step, reached), (station, index), here);
         }
+        if let Broken::Event(index) = broken
+            && let Some(end) = self.shrinks(&from, (&station, reached), (index, here))
+        {
+            return Stop::End(end);
+        }
         self.settle(&station);
         // Where what begins with a release has come to nothing, rounding says in which way it breaks.
         if self.shooting.opening_vanishes(&station.at) {
