@@ -149,15 +149,16 @@ impl Walker {
         Some(End::Equilibrium)
     }
 
-    /// How the branch ends where, on the way to the next station, an event that is no impact loses its rate since nothing is left of the orbit:
-    /// its equilibrium lies on the surface of that event. Nothing where something is left.
+    /// How the branch ends where, on the way to the next station, what is no impact breaks the sequence of events since nothing is left of the
+    /// orbit: its equilibrium lies on the surface of that. Nothing where something is left, as where a surface just beside is crossed no more.
     pub(in crate::analysis::periodic::branch) fn shrinks(
         &mut self,
         from: &Station,
         (touch, ahead): (&Station, f64),
         (index, here): (usize, &Point),
     ) -> Option<End> {
-        if self.shooting.steps[index].impact().is_some() || !self.has_shrunk(touch) {
+        let hits = self.shooting.steps[index].impact().is_some();
+        if hits || !self.comes_to_stand(from, touch, index) || !self.has_shrunk(touch) {
             return None;
         }
         let hopf = self.hopf_beside(from, touch, index);
@@ -228,17 +229,24 @@ impl Walker {
         true
     }
 
-    /// The Hopf point where an orbit has shrunk to nothing.
-    fn hopf_beside(&mut self, from: &Station, touch: &Station, index: usize) -> Option<Hopf> {
+    /// Whether all speed is lost on the way to where an orbit is at the end of a step.
+    fn comes_to_stand(&self, from: &Station, touch: &Station, index: usize) -> bool {
         let sizes = self.shooting.state_sizes();
-        let next = (index + 1) % self.shooting.steps.len();
+        let next = self.shooting.after(index);
         let speed = |station: &Station| {
             let equilibria = self.shooting.equilibria(&station.at, index)?;
             Some(equilibria.speed(self.shooting.node(&station.at, next), &sizes))
         };
-        if speed(touch)? > SHRUNK * speed(from)? {
+        let both = speed(touch).zip(speed(from));
+        both.is_some_and(|(now, before)| now <= SHRUNK * before)
+    }
+
+    /// The Hopf point where an orbit has shrunk to nothing.
+    fn hopf_beside(&mut self, from: &Station, touch: &Station, index: usize) -> Option<Hopf> {
+        if !self.comes_to_stand(from, touch, index) {
             return None;
         }
+        let next = self.shooting.after(index);
         let frequency = TAU / self.shooting.period();
         self.shooting.hopf(&touch.at, (next, frequency))
     }
