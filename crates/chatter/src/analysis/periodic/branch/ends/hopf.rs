@@ -194,7 +194,7 @@ impl Walker {
         if let Some((nearly, ahead)) = nearly {
             self.settle(&nearly);
             let near = Point::new(&mut self.shooting, &nearly);
-            let ends = (&*here, &near);
+            let ends = (here, &near);
             if let Some(end) = self.between(from, &nearly, ahead, ends) {
                 return Some(end);
             }
