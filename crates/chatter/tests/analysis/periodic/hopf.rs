@@ -255,3 +255,163 @@ fn a_limit_cycle_is_followed_to_where_it_is_born_by_long_steps() {
         }
     }
 }
+
+/// Fields whose slopes have a corner at the equilibrium are linear there as smooth ones are: orbits shrink on two sides of a surface at once, with
+/// p = 3 pi A/8 for y |y|, and as the square of A for x |x|. In all units of length and time.
+#[test]
+fn a_limit_cycle_on_a_corner_of_the_slopes_ends_where_it_is_born() {
+    let resistance = "(p*y/T - x/T^2 - y*abs(y)/L)";
+    let stiffness = "(p*y/T - x/T^2*(1 + abs(x)/L) - y*x^2/(L^2*T))";
+    let cube = "(p*y/T - x/T^2 - sign(y)*abs(y)^3*T/L^2)";
+    for (rate, step, length, time) in [
+        (resistance, 0.02, 1.0, 1.0),
+        (resistance, 0.01, 1e-3, 1e3),
+        (stiffness, 0.02, 1.0, 1.0),
+        (stiffness, 0.02, 1e3, 1e-3),
+        (cube, 0.02, 1.0, 1.0),
+    ] {
+        let parameters = format!("p = 0.3\nL = {length:?}\nT = {time:?}");
+        let text = system(&parameters, ("y", rate), "x", (0.0, 0.6 * length / time));
+        let model = with(&text.replace("falling", "rising"), &[]);
+        let range = if length > 1.0 {
+            (-0.3, 0.5)
+        } else {
+            (-0.2, 0.6)
+        };
+        let found = over(&model, "p", range, (8, step));
+        let (branch, told) = (&found[0], (rate, step, length, range));
+        assert_eq!(branch.ends, [End::Equilibrium, End::Range], "{told:?}");
+        let [hopf] = &branch.special[..] else {
+            panic!("{told:?}: {}", branch.special.len());
+        };
+        assert_eq!(hopf.kind, SpecialKind::Hopf, "{told:?}");
+        assert!(
+            value(hopf).abs() <= hopf.error && hopf.error < 1e-13,
+            "{told:?}: {}",
+            value(hopf)
+        );
+        let period = core::f64::consts::TAU * time;
+        assert!((hopf.point.period / period - 1.0).abs() < 1e-12, "{told:?}");
+    }
+}
+
+/// Resistance as the square of a rate, and a second mode coupled: of (l^2 - p l + 1.3)(l^2 + 0.2 l + 2.3) - 0.09 a pair is imaginary
+/// where c (a b - c) = a^2 d.
+#[test]
+fn of_several_modes_the_pair_that_is_imaginary_tells() {
+    let text = "[parameters]\np = 0.3\n[flight]\nx = \"v\"\nv = \"p*v - x - v*abs(v) - 0.3*(x - y)\"\ny = \"w\"\n\
+                w = \"-2*y - 0.2*w + 0.3*(x - y)\"\n[section.s]\nsurface = \"x\"\ndirection = \"rising\"\n[initial]\nx = 0\nv = 0.6\ny = 0\nw = 0\n";
+    let off = |p: f64| {
+        let (a, b, c, d) = (0.2 - p, 3.6 - 0.2 * p, 0.26 - 2.3 * p, 2.9);
+        c * (a * b - c) - a * a * d
+    };
+    let (mut low, mut high) = (0.0, 0.03);
+    assert!(off(low) * off(high) < 0.0);
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        match off(middle) * off(low) > 0.0 {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    for step in [0.02, 0.005] {
+        let branch = &over(&with(text, &[]), "p", (-0.1, 0.6), (8, step))[0];
+        assert_eq!(branch.ends, [End::Equilibrium, End::Range], "{step}");
+        let [hopf] = of(branch, SpecialKind::Hopf)[..] else {
+            panic!("{step}")
+        };
+        assert!((hopf - low).abs() < 1e-13, "{step}: {hopf} {low}");
+        assert_eq!(branch.special.len(), 1, "{step}");
+    }
+}
+
+/// A spline through cubes: its slope at the knot at zero, the same of both pieces, is -1/14.
+#[test]
+fn a_limit_cycle_at_the_knot_of_a_table_ends_where_it_is_born() {
+    let text = system("p = 0.3", ("y", "p*y - x - f(y)"), "x", (0.0, 0.6));
+    let table = "[table.f]\nx = [-4, -3, -2, -1, 0, 1, 2, 3, 4]\ny = [-64, -27, -8, -1, 0, 1, 8, 27, 64]\nkind = \"cubic\"\n";
+    let text = text.replace("falling", "rising") + table;
+    let branch = &over(&with(&text, &[]), "p", (-0.2, 0.6), (8, 0.02))[0];
+    assert_eq!(branch.ends, [End::Equilibrium, End::Range]);
+    let [hopf] = of(branch, SpecialKind::Hopf)[..] else {
+        panic!()
+    };
+    assert!((hopf + 1.0 / 14.0).abs() < 1e-13, "{hopf}");
+}
+
+/// A pendulum whose pivot is shaken, against the square of its rate: doubled orbits shrink onto the state of rest where a multiplier of that is -1,
+/// and are no more than touched nowhere.
+#[test]
+fn doubled_orbits_that_shrink_onto_a_state_of_rest_end_at_its_branch() {
+    let damping = 0.1;
+    // The trace and the determinant of what x'' = -(1 + h cos 2t) x - c x' does in a period.
+    let off = |h: f64| {
+        let rate = |t: f64, [x, v]: [f64; 2]| [v, -(1.0 + h * (2.0 * t).cos()) * x - damping * v];
+        let steps = 1000;
+        let dt = core::f64::consts::PI / f64::from(steps);
+        let end = |mut at: [f64; 2]| {
+            let by = |at: [f64; 2], k: [f64; 2], part: f64| {
+                [at[0] + part * dt * k[0], at[1] + part * dt * k[1]]
+            };
+            for k in 0..steps {
+                let t = f64::from(k) * dt;
+                let a = rate(t, at);
+                let b = rate(t + 0.5 * dt, by(at, a, 0.5));
+                let c = rate(t + 0.5 * dt, by(at, b, 0.5));
+                let d = rate(t + dt, by(at, c, 1.0));
+                for i in 0..2 {
+                    at[i] += dt / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]);
+                }
+            }
+            at
+        };
+        let (first, second) = (end([1.0, 0.0]), end([0.0, 1.0]));
+        // det(M + I).
+        (first[0] + 1.0) * (second[1] + 1.0) - first[1] * second[0]
+    };
+    let (mut low, mut high) = (0.15, 0.25);
+    assert!(off(low) * off(high) < 0.0);
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        match off(middle) * off(low) > 0.0 {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    for (corner, size, step) in [
+        ("v*abs(v)/L", 1.0, 0.02),
+        ("v*abs(v)/L", 1e-3, 0.01),
+        ("x*abs(x)/L", 1e3, 0.02),
+    ] {
+        let text = format!(
+            "[parameters]\nh = 0.6\nL = {size:?}\n[flight]\nx = \"v\"\nv = \"-(1 + h*cos(2*t))*x - {damping}*v - {corner}\"\n\
+             [section.s]\nsurface = \"sin(t)\"\ndirection = \"rising\"\n[initial]\nx = {:?}\nv = {:?}\n",
+            0.3 * size,
+            0.2 * size
+        );
+        let branch = &over(&with(&text, &[]), "h", (0.1, 0.8), (8, step))[0];
+        let told = (corner, size, step);
+        assert_eq!(
+            branch.ends,
+            [End::Again(SpecialKind::BranchPoint), End::Range],
+            "{told:?}"
+        );
+        let [met] = &branch.special[..] else {
+            panic!("{told:?}: {}", branch.special.len());
+        };
+        assert_eq!(met.kind, SpecialKind::BranchPoint);
+        assert!((value(met) - low).abs() < 1e-12, "{told:?}: {}", value(met));
+    }
+}
+
+/// What an event takes away each time is linear, too: without it a pair would be imaginary at p = 0, and the motion grows as exp(p t/2) and loses
+/// a tenth at each turn of x.
+#[test]
+fn where_jumps_are_linear_eigenvalues_of_the_flight_tell_no_birth() {
+    let text = "[parameters]\np = 0.3\n[flight]\nx = \"y\"\ny = \"p*y - x - y*abs(y)\"\n\
+                [[event]]\nname = \"e\"\nsurface = \"x\"\ndirection = \"either\"\nreset = { y = \"0.9*y\" }\n[initial]\nx = 0.1\ny = 0.6\n";
+    let found = over(&with(text, &[]), "p", (-0.1, 0.6), (8, 0.02));
+    let branch = &found[0];
+    assert_eq!(of(branch, SpecialKind::Hopf), [0.0; 0]);
+    assert_eq!(branch.ends, [End::Equilibrium, End::Range]);
+}

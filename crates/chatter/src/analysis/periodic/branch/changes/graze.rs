@@ -78,6 +78,13 @@ impl Walker {
         if let Broken::Passed(index) = broken {
             return self.exchange((curve, step, reached), (station, index), here);
         }
+        if let Broken::Event(index)
+        | Broken::Early(index, GuardKind::Switch(_) | GuardKind::Section(_))
+        | Broken::Beyond(index, GuardKind::Switch(_) | GuardKind::Section(_)) = broken
+            && let Some(end) = self.shrinks(&from, (&station, reached), (index, here))
+        {
+            return Stop::End(end);
+        }
         self.settle(&station);
         // Where what begins with a release has come to nothing, rounding says in which way it breaks.
         if self.shooting.opening_vanishes(&station.at) {

@@ -41,17 +41,11 @@ impl Equations<f64> for Rest<'_> {
 
     fn evaluate(&mut self, at: &[f64]) -> Result<Linearised<f64>, Infallible> {
         for (&state, &x) in self.of.states.iter().zip(at) {
-            self.state[state] = x;
+            // On the other side of a surface by no more than rounding formulas may have no value, as powers have none.
+            let is_rounding = x.abs() <= ROUNDOFFS * f64::EPSILON * self.sizes[state];
+            self.state[state] = if is_rounding { 0.0 } else { x };
         }
-        let field = &self.of.field;
-        let of = |expr: Expr| (self.of.graph).evaluate(expr, &self.state, &self.of.parameters);
-        let rows = field
-            .iter()
-            .map(|(.., slopes)| slopes.iter().map(|&slope| of(slope)).collect());
-        Ok(Linearised {
-            residual: field.iter().map(|&(_, rate, _)| of(rate)).collect(),
-            jacobian: Matrix::from_rows(&rows.collect::<Vec<Vec<f64>>>()),
-        })
+        Ok(self.of.at(&self.state))
     }
 
     fn size(&self, _: &[f64], correction: &[f64]) -> f64 {
@@ -73,6 +67,17 @@ impl Equilibria {
             .filter(|&&(_, rate, _)| moves(rate))
             .map(|&(own, rate, _)| self.graph.evaluate(rate, state, &self.parameters) / sizes[own]);
         rates.fold(0.0, |most: f64, rate| most.max(rate.abs()))
+    }
+
+    /// The field at a state, and its slopes.
+    pub(super) fn at(&self, state: &[f64]) -> Linearised<f64> {
+        let of = |expr: Expr| (self.graph).evaluate(expr, state, &self.parameters);
+        let rows =
+            (self.field.iter()).map(|(.., slopes)| slopes.iter().map(|&slope| of(slope)).collect());
+        Linearised {
+            residual: self.field.iter().map(|&(_, rate, _)| of(rate)).collect(),
+            jacobian: Matrix::from_rows(&rows.collect::<Vec<Vec<f64>>>()),
+        }
     }
 
     /// The equilibrium near a state.

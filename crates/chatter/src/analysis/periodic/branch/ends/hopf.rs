@@ -5,6 +5,7 @@
 //! across the flow from there on.
 
 use super::equilibrium::Equilibrium;
+use super::forced_rest::ALIKE;
 use crate::analysis::continuation::{Curve, Problem, Station, locate};
 use crate::analysis::periodic::branch::special::Seed;
 use crate::analysis::periodic::branch::walker::Walker;
@@ -25,7 +26,7 @@ const APART: f64 = 1e-4;
 const MOST: usize = 50;
 /// A step on which an orbit turns too far against the plane that it is told from is taken again with this part of its length.
 const SHORTER: f64 = 0.4;
-/// The frequency of a pair is that of the last orbit up to this part.
+/// A pair is imaginary, with the frequency of the last orbit, up to this part of that.
 const SAME_FREQUENCY: f64 = 0.1;
 
 /// A Hopf point.
@@ -71,7 +72,7 @@ impl Shooting<f64> {
             let found = equilibria.near(&known, &sizes)?;
             known.clone_from(&found.state);
             let all = eigenvalues(&found.slopes);
-            let off = |x: &Complex| (x.im - frequency).abs();
+            let off = |x: &Complex| x.re.hypot(x.im - frequency);
             let pair = *all.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
             (off(&pair) <= SAME_FREQUENCY * frequency).then_some((pair, found, all))
         };
@@ -88,9 +89,16 @@ impl Shooting<f64> {
                 return None;
             }
             if step.abs() <= error {
+                let mut free = own.clone();
+                *free.last_mut()? = now;
+                let place = core::slice::from_ref(&found.state);
+                let (unlike, _) = self.unlike(at, &free, place)?;
+                if unlike > ALIKE * largest {
+                    return None;
+                }
                 return Some(Hopf {
                     parameter: now,
-                    error,
+                    error: error + (unlike / slope).abs(),
                     residual: pair.re.abs(),
                     frequency: pair.im,
                     state: found.state,
@@ -125,24 +133,8 @@ impl Walker {
         if hopf.is_none() && self.goes_around(curve, step, here) {
             return None;
         }
-        if let Some(edge) = self.limits.beyond(touch.0.parameter())
-            && let Some(end) = self.ends_at_edge((from, &touch.0), (touch.1, edge), here)
-        {
+        if let Some(end) = self.approaches(from, (&touch.0, touch.1), here) {
             return Some(end);
-        }
-        // What is left of an orbit that is nearer to nothing does not tell which way the parameter goes.
-        let nearly = NEARLY.into_iter().find_map(|part| {
-            let (nearly, _) = from.ahead(&mut self.shooting, part * touch.1).ok()?;
-            (!self.has_shrunk(&nearly)).then_some((nearly, part * touch.1))
-        });
-        if let Some((nearly, ahead)) = nearly {
-            self.settle(&nearly);
-            let near = Point::new(&mut self.shooting, &nearly);
-            let ends = (&*here, &near);
-            if let Some(end) = self.between(from, &nearly, ahead, ends) {
-                return Some(end);
-            }
-            self.points.push(near);
         }
         self.settle(&touch.0);
         let Some(hopf) = hopf else {
@@ -155,6 +147,60 @@ impl Walker {
         };
         self.note_hopf(&touch.0, hopf);
         Some(End::Equilibrium)
+    }
+
+    /// How the branch ends where, on the way to the next station, what is no impact breaks the sequence of events since nothing is left of the
+    /// orbit: its equilibrium lies on the surface of that. Nothing where something is left, as where a surface just beside is crossed no more.
+    pub(in crate::analysis::periodic::branch) fn shrinks(
+        &mut self,
+        from: &Station,
+        (touch, ahead): (&Station, f64),
+        (index, here): (usize, &Point),
+    ) -> Option<End> {
+        let hits = self.shooting.steps[index].impact().is_some();
+        if hits || !self.comes_to_stand(from, touch, index) || !self.has_shrunk(touch) {
+            return None;
+        }
+        let hopf = self.hopf_beside(from, touch, index);
+        if let Some(end) = self.approaches(from, (touch, ahead), here) {
+            return Some(end);
+        }
+        self.settle(touch);
+        let Some(hopf) = hopf else {
+            let met = self.meets_rest(touch, index);
+            return Some(met.unwrap_or(End::Equilibrium));
+        };
+        self.note_hopf(touch, hopf);
+        Some(End::Equilibrium)
+    }
+
+    /// The way to where an orbit has shrunk to nothing, or is told no more: whether something ends the branch on it.
+    fn approaches(
+        &mut self,
+        from: &Station,
+        (touch, ahead): (&Station, f64),
+        here: &Point,
+    ) -> Option<End> {
+        if let Some(edge) = self.limits.beyond(touch.parameter())
+            && let Some(end) = self.ends_at_edge((from, touch), (ahead, edge), here)
+        {
+            return Some(end);
+        }
+        // What is left of an orbit that is nearer to nothing does not tell which way the parameter goes.
+        let nearly = NEARLY.into_iter().find_map(|part| {
+            let (nearly, _) = from.ahead(&mut self.shooting, part * ahead).ok()?;
+            (!self.has_shrunk(&nearly)).then_some((nearly, part * ahead))
+        });
+        if let Some((nearly, ahead)) = nearly {
+            self.settle(&nearly);
+            let near = Point::new(&mut self.shooting, &nearly);
+            let ends = (here, &near);
+            if let Some(end) = self.between(from, &nearly, ahead, ends) {
+                return Some(end);
+            }
+            self.points.push(near);
+        }
+        None
     }
 
     /// Goes on where the section is only touched, told from a plane across the flow; where one of these is, by a shorter step. Whether that
@@ -183,17 +229,24 @@ impl Walker {
         true
     }
 
-    /// The Hopf point where an orbit has shrunk to nothing.
-    fn hopf_beside(&mut self, from: &Station, touch: &Station, index: usize) -> Option<Hopf> {
+    /// Whether all speed is lost on the way to where an orbit is at the end of a step.
+    fn comes_to_stand(&self, from: &Station, touch: &Station, index: usize) -> bool {
         let sizes = self.shooting.state_sizes();
-        let next = (index + 1) % self.shooting.steps.len();
+        let next = self.shooting.after(index);
         let speed = |station: &Station| {
             let equilibria = self.shooting.equilibria(&station.at, index)?;
             Some(equilibria.speed(self.shooting.node(&station.at, next), &sizes))
         };
-        if speed(touch)? > SHRUNK * speed(from)? {
+        let both = speed(touch).zip(speed(from));
+        both.is_some_and(|(now, before)| now <= SHRUNK * before)
+    }
+
+    /// The Hopf point where an orbit has shrunk to nothing.
+    fn hopf_beside(&mut self, from: &Station, touch: &Station, index: usize) -> Option<Hopf> {
+        if !self.comes_to_stand(from, touch, index) {
             return None;
         }
+        let next = self.shooting.after(index);
         let frequency = TAU / self.shooting.period();
         self.shooting.hopf(&touch.at, (next, frequency))
     }

@@ -1,6 +1,7 @@
 //! Where a branch is over: back where it began, at an equilibrium, or with a period or a state that grows without bound.
 
 pub(super) mod equilibrium;
+mod forced_rest;
 pub(super) mod growth;
 pub(super) mod hopf;
 pub(super) mod returns;
