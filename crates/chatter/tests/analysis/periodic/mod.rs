@@ -20,8 +20,8 @@ mod reference;
 mod units;
 
 use chatter::analysis::periodic::{
-    Beside, Branch, BranchSpec, Limits, Orbit, PeriodicError, Search, Spec, Special, SpecialKind,
-    all, branches, settled,
+    Beside, Branch, BranchSpec, Limits, Orbit, PeriodicError, Record, Search, Spec, Special,
+    SpecialKind, Told, all, branches, settled,
 };
 use chatter::model::Model;
 use std::ops::ControlFlow;
@@ -95,6 +95,32 @@ fn over(
         ControlFlow::Continue(())
     })
     .unwrap()
+}
+
+/// Records as a journal holds them.
+fn read(records: &[String]) -> Vec<Record> {
+    { records.iter() }
+        .map(|text| serde_json::from_str(text).unwrap())
+        .collect()
+}
+
+/// Keeps the records that are told, and breaks off after so many orbits.
+fn broken_off_after(
+    most: usize,
+    records: &mut Vec<String>,
+) -> impl FnMut(Told<'_>) -> ControlFlow<()> {
+    let mut orbits = 0;
+    move |told| {
+        match told {
+            Told::Orbit(_) => orbits += 1,
+            Told::Record(record) => records.push(serde_json::to_string(record).unwrap()),
+            Told::Settling | Told::Elsewhere { .. } => {}
+        }
+        match orbits >= most {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    }
 }
 
 fn value(special: &Special) -> f64 {

@@ -2,12 +2,11 @@
 //! surface and back comes to nothing.
 
 use super::plane::{curve, of};
-use super::{GRAZES, nearest, over, value, with};
+use super::{GRAZES, broken_off_after, nearest, over, read, value, with};
 use chatter::analysis::periodic::{
-    End, Known, Limits, Record, Spec, Special, SpecialCurve, SpecialKind, Told, special_curve,
+    End, Known, Limits, Spec, Special, SpecialCurve, SpecialKind, special_curve,
 };
 use chatter::model::Model;
-use std::ops::ControlFlow;
 
 /// A mass that rubs on a belt of speed 0.3, and a wall; in other units of length and time.
 fn on_belt([length, time]: [f64; 2], (b, w): (f64, f64)) -> Model {
@@ -159,22 +158,11 @@ fn followed(
     };
     let free = ["w", "b"].map(|name| model.parameter_index(name).unwrap());
     let mut records = before.to_vec();
-    let before = { before.iter() }.map(|text| serde_json::from_str::<Record>(text).unwrap());
-    let before = before.collect();
-    let mut orbits = 0;
-    let mut tell = |told: Told<'_>| {
-        match told {
-            Told::Orbit(_) => orbits += 1,
-            Told::Record(record) => records.push(serde_json::to_string(record).unwrap()),
-            Told::Settling | Told::Elsewhere { .. } => {}
-        }
-        match orbits >= most {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        }
-    };
+    let mut tell = broken_off_after(most, &mut records);
     let spec = Spec::default();
+    let before = read(before);
     let found = special_curve(&model, &spec, (free, &known), &limits, before, &mut tell);
+    drop(tell);
     (found.unwrap(), records)
 }
 

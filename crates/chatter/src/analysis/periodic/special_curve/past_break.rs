@@ -100,25 +100,9 @@ impl Follower {
             return None;
         }
         let shorter = self.shooting.without_way_onto(&station.at, index);
-        let (mut shorter, guess, _) = shorter.ok()?;
-        let (condition, grazing) = self.condition_of(&mut shorter, &guess)?;
-        let bordered = condition.near(&mut shorter, &guess, None).ok()?;
-        let last = guess.len() - 1;
-        let there = Station::near(&mut bordered.of(&mut shorter), &guess, last).ok()?;
-        if moved(&there.at, &guess, shorter.scales()) > NEAR_ONTO {
-            return None;
-        }
-        let distances = BEYOND.map(|part| part * self.limits.longest_step);
-        let known = (&mut shorter, &bordered);
-        let (next, _) = side_that_holds(known, &there, grazing, &distances)?;
-        shorter.evaluate(&next.at).ok()?;
-        let onward = Onward {
-            shooting: shorter,
-            condition,
-            grazing,
-            bordered,
-            station: next,
-        };
+        let (shorter, guess, _) = shorter.ok()?;
+        let (mut onward, _) = self.leads_on(shorter, (&guess, NEAR_ONTO), &BEYOND)?;
+        onward.shooting.evaluate(&onward.station.at).ok()?;
         let anew = self.goes_on(onward, curve);
         self.passed = Some((free, self.points.len()));
         Some(anew)

@@ -175,25 +175,16 @@ impl Follower {
         let (mut touching, start, index) =
             (self.shooting).without_way_back(&station.at, first).ok()?;
         touching.evaluate(&start).ok()?;
-        let (mut shorter, guess, merged) = touching.without_event(&start, index).ok()?;
-        let (condition, grazing) = self.condition_of(&mut shorter, &guess)?;
-        let bordered = condition.near(&mut shorter, &guess, None).ok()?;
-        let last = guess.len() - 1;
-        let there = Station::near(&mut bordered.of(&mut shorter), &guess, last).ok()?;
-        if moved(&there.at, &guess, shorter.scales()) > NEAR {
-            return None;
-        }
-        let reach = self.limits.longest_step;
-        let distances = BEYOND.map(|part| part * reach);
-        let known = (&mut shorter, &bordered);
-        let (next, distance) = side_that_holds(known, &there, grazing, &distances)?;
-        let back = next.clone().reversed();
+        let (shorter, guess, merged) = touching.without_event(&start, index).ok()?;
+        let (mut onward, distance) = self.leads_on(shorter, (&guess, NEAR), &BEYOND)?;
+        let (shorter, bordered) = (&mut onward.shooting, &onward.bordered);
+        let back = onward.station.clone().reversed();
         let within = 2.0 * distance;
         let mut reader = shorter.clone();
         let mut value = |station: &Station| least_of(&mut reader, &station.at, (merged, guard));
-        let (far, _) = back.ahead(&mut bordered.of(&mut shorter), within).ok()?;
+        let (far, _) = back.ahead(&mut bordered.of(shorter), within).ok()?;
         let ends = (value(&back)?, value(&far)?);
-        let mut held = bordered.of(&mut shorter);
+        let mut held = bordered.of(shorter);
         let (touch, ahead) = locate(&mut held, &back, within, ends, &mut |_, station| {
             value(station)
         })?;
@@ -213,14 +204,36 @@ impl Follower {
         }
         let left = value(&touch)?;
         let slope = (left - ends.0) / ahead;
+        Some((onward, touch, (left, slope)))
+    }
+
+    /// The curve of other equations near a guess, no farther from it than this, on the side where their sequence of events holds; and how far along
+    /// it that was found, of these parts of the longest step.
+    pub(super) fn leads_on(
+        &self,
+        mut shooting: Shooting<f64>,
+        (guess, near): (&[f64], f64),
+        beyond: &[f64],
+    ) -> Option<(Onward, f64)> {
+        let (condition, grazing) = self.condition_of(&mut shooting, guess)?;
+        let bordered = condition.near(&mut shooting, guess, None).ok()?;
+        let last = guess.len() - 1;
+        let there = Station::near(&mut bordered.of(&mut shooting), guess, last).ok()?;
+        if moved(&there.at, guess, shooting.scales()) > near {
+            return None;
+        }
+        let reach = self.limits.longest_step;
+        let distances: Vec<f64> = beyond.iter().map(|part| part * reach).collect();
+        let known = (&mut shooting, &bordered);
+        let (station, distance) = side_that_holds(known, &there, grazing, &distances)?;
         let onward = Onward {
-            shooting: shorter,
+            shooting,
             condition,
             grazing,
             bordered,
-            station: next,
+            station,
         };
-        Some((onward, touch, (left, slope)))
+        Some((onward, distance))
     }
 
     /// On past where a stay comes to its end, if one does at this station, with a touch that is told.

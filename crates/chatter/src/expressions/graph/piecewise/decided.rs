@@ -72,13 +72,7 @@ impl Graph {
         let by = self.sided(surface, DEPTH)?;
         let other = by.surface?;
         let signs = by.signs()?;
-        let pick = |sign: f64| match (sign, edge) {
-            (sign, _) if sign > 0.0 => Some(above),
-            (sign, _) if sign < 0.0 => Some(below),
-            (_, Edge::Above) => Some(above),
-            (_, Edge::Below) => Some(below),
-            (_, Edge::Middle) => None,
-        };
+        let pick = |sign: f64| edge.chosen(sign, above, below);
         let [positive, negative] = [pick(signs[0])?, pick(signs[1])?];
         let [positive, negative] = [(positive, 0), (negative, 1)].map(|(piece, side)| {
             let known = self.sided(piece, DEPTH);
@@ -156,14 +150,7 @@ impl Graph {
         // Two that are of one surface, or of none, if they are at all.
         let both = above.with(below, |a, _| a)?;
         let chosen = |sign: f64, k: usize| {
-            let half = DoubleDouble::from(0.5);
-            match (sign, edge) {
-                (sign, _) if sign > 0.0 => above.values[k],
-                (sign, _) if sign < 0.0 => below.values[k],
-                (_, Edge::Above) => above.values[k],
-                (_, Edge::Below) => below.values[k],
-                (_, Edge::Middle) => (above.values[k] + below.values[k]) * half,
-            }
+            edge.choose(DoubleDouble::from(sign), above.values[k], below.values[k])
         };
         let (own, signs) = match self.sided(surface, depth) {
             Some(by) => (by.surface?, by.signs()?),
@@ -188,12 +175,18 @@ impl Graph {
                 if is_odd { base } else { surface }
             }
             Node::Product(factors) => {
+                // |x| beside x.
                 let is_own_size = |&factor: &Expr| match *self.node(factor) {
-                    Node::Switch { above, below, .. } => {
-                        let others = || factors.iter().filter(|&&other| other != factor);
-                        let opposite = self.is_negative_of(below, above);
-                        let is_size = self.is_size(factor);
-                        is_size && opposite && others().any(|&other| other == above)
+                    Node::Switch {
+                        surface,
+                        above,
+                        below,
+                        ..
+                    } => {
+                        let mut others = factors.iter().filter(|&&other| other != factor);
+                        surface == above
+                            && self.is_negative_of(below, above)
+                            && others.any(|&other| other == above)
                     }
                     _ => false,
                 };
@@ -207,14 +200,6 @@ impl Graph {
                 }
             }
             _ => surface,
-        }
-    }
-
-    /// Whether a choice is by the sign of its own piece: |x|.
-    fn is_size(&self, choice: Expr) -> bool {
-        match *self.node(choice) {
-            Node::Switch { surface, above, .. } => surface == above,
-            _ => false,
         }
     }
 }

@@ -1,12 +1,9 @@
 //! Surveys that are broken off and gone on with.
 
 use crate::periodic::branches::TWO_SIDED;
-use crate::periodic::{branch_spec, model, with};
-use chatter::analysis::periodic::{
-    Beside, Branch, BranchSpec, End, Record, Spec, Special, Told, branches,
-};
+use crate::periodic::{branch_spec, broken_off_after, model, read, with};
+use chatter::analysis::periodic::{Beside, Branch, BranchSpec, End, Spec, Special, branches};
 use chatter::model::Model;
-use std::ops::ControlFlow;
 
 /// A mass between friction and a stop: its modes are met in another order by whoever begins elsewhere.
 const RUBBING: &str = r#"
@@ -43,28 +40,10 @@ impl Asked {
     /// Follows from where records end, for so many orbits; with the records that there are then.
     fn follow(&self, before: &[String], most: usize) -> (Vec<Branch>, Vec<String>) {
         let mut records = before.to_vec();
-        let before = before
-            .iter()
-            .map(|text| serde_json::from_str::<Record>(text).unwrap())
-            .collect();
-        let mut orbits = 0;
-        let found = branches(
-            &self.model,
-            &Spec::default(),
-            &self.over,
-            before,
-            &mut |told| {
-                match told {
-                    Told::Orbit(_) => orbits += 1,
-                    Told::Record(record) => records.push(serde_json::to_string(record).unwrap()),
-                    Told::Settling | Told::Elsewhere { .. } => {}
-                }
-                match orbits >= most {
-                    true => ControlFlow::Break(()),
-                    false => ControlFlow::Continue(()),
-                }
-            },
-        );
+        let mut tell = broken_off_after(most, &mut records);
+        let before = read(before);
+        let found = branches(&self.model, &Spec::default(), &self.over, before, &mut tell);
+        drop(tell);
         (found.unwrap(), records)
     }
 

@@ -367,7 +367,7 @@ impl Walker {
         let (rate, terms) = self.shooting.gap_rate(&station.at, (index, contact));
         // From zero with this rate, and back to where both vanish: a cubic.
         let height = 4.0 / 27.0 * (rate * touch.time).abs();
-        height.is_nan() || height > LEAST_HEIGHT * f64::EPSILON * terms
+        is_told(height, terms)
     }
 
     /// Whether the flight before an impact, if it begins with a release of the same contact, can be told from rounding of the gap.
@@ -383,7 +383,7 @@ impl Walker {
         let (_, terms) = self.shooting.gap_rate(&station.at, (index, contact));
         // From rest with this jerk, and back to the contact: a quartic.
         let height = 27.0 / 1536.0 * (release.surface_rate * flight.duration.powi(3)).abs();
-        height.is_nan() || height > LEAST_HEIGHT * f64::EPSILON * terms
+        is_told(height, terms)
     }
 
     /// Whether the parameter stands still to first order: it does over the rate of an impact that the orbit forgets.
@@ -623,6 +623,11 @@ impl Walker {
         self.shooting = shorter;
         Ok(if forward { next } else { reversed })
     }
+}
+
+/// Whether the height of a flight can be told from rounding of the terms that the gap is the sum of.
+fn is_told(height: f64, terms: f64) -> bool {
+    height.is_nan() || height > LEAST_HEIGHT * f64::EPSILON * terms
 }
 
 /// Whether an orbit goes more than once around another one. Where several impacts lose their rate at once they are left out one by one: what is

@@ -142,9 +142,6 @@ impl Shooting<f64> {
     /// large others on its branch are.
     fn leaves_walls(&self, at: &[f64], places: &[Vec<f64>]) -> bool {
         let (model, sizes) = (&self.workshop.model, self.state_sizes());
-        let stays = |state: usize| {
-            !(self.workshop.closure.is_idle(state) || self.workshop.closure.is_phase(state))
-        };
         self.steps.iter().enumerate().any(|(index, step)| {
             let Some(contact) = step.impact() else {
                 return false;
@@ -152,7 +149,7 @@ impl Shooting<f64> {
             let node = self.node(at, (index + 1) % self.steps.len());
             let symbols = model.graph.symbols(model.contacts[contact].gap);
             symbols.into_iter().any(|symbol| match symbol {
-                Symbol::State(state) if stays(state) => {
+                Symbol::State(state) if self.is_place(state) => {
                     let wall = node[state];
                     let is_told = wall.abs() > SHRUNK * SHRUNK * sizes[state];
                     is_told
@@ -163,16 +160,21 @@ impl Shooting<f64> {
         })
     }
 
+    /// Whether a state is neither a phase nor one that nothing depends on.
+    fn is_place(&self, state: usize) -> bool {
+        let closure = &self.workshop.closure;
+        !(closure.is_idle(state) || closure.is_phase(state))
+    }
+
     /// Whether states are one, but for phases and what nothing depends on.
     pub(in crate::analysis::periodic::branch) fn is_one_place(
         &self,
         one: &[f64],
         other: &[f64],
     ) -> bool {
-        let (closure, sizes) = (&self.workshop.closure, self.state_sizes());
+        let sizes = self.state_sizes();
         let parts = one.iter().zip(other).zip(&sizes).enumerate();
-        let stays = |index: usize| !(closure.is_idle(index) || closure.is_phase(index));
-        let mut parts = parts.filter(|(index, _)| stays(*index));
+        let mut parts = parts.filter(|(index, _)| self.is_place(*index));
         parts.all(|(_, ((x, y), size))| (x - y).abs() <= SHRUNK * size)
     }
 

@@ -129,7 +129,10 @@ impl Walker {
         });
         let touch = found.unwrap_or_else(|| (from.clone(), 0.0));
         self.settle(&touch.0);
-        let hopf = self.hopf_beside(from, &touch.0, index);
+        let hopf = match self.comes_to_stand(from, &touch.0, index) {
+            true => self.hopf_beside(&touch.0, index),
+            false => None,
+        };
         if hopf.is_none() && self.goes_around(curve, step, here) {
             return None;
         }
@@ -161,7 +164,7 @@ impl Walker {
         if hits || !self.comes_to_stand(from, touch, index) || !self.has_shrunk(touch) {
             return None;
         }
-        let hopf = self.hopf_beside(from, touch, index);
+        let hopf = self.hopf_beside(touch, index);
         if let Some(end) = self.approaches(from, (touch, ahead), here) {
             return Some(end);
         }
@@ -242,10 +245,7 @@ impl Walker {
     }
 
     /// The Hopf point where an orbit has shrunk to nothing.
-    fn hopf_beside(&mut self, from: &Station, touch: &Station, index: usize) -> Option<Hopf> {
-        if !self.comes_to_stand(from, touch, index) {
-            return None;
-        }
+    fn hopf_beside(&mut self, touch: &Station, index: usize) -> Option<Hopf> {
         let next = self.shooting.after(index);
         let frequency = TAU / self.shooting.period();
         self.shooting.hopf(&touch.at, (next, frequency))
