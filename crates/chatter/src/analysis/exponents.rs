@@ -2,7 +2,8 @@
 //!
 //! Displacements are carried along by the variational equation through impacts, complete chatter, contact and release, and made
 //! orthogonal again after each interval (Benettin et al. 1980), or earlier where one has nearly become a combination of the others.
-//! What complete chatter, contact or sticking forgets has no exponent: it is minus infinity.
+//! What complete chatter, contact or sticking forgets has no exponent: it is minus infinity. Where there is no derivative in the
+//! transient, displacements begin anew after the interval.
 
 use crate::analysis::periodic::PeriodicError;
 use crate::flow::{Column, FORGOTTEN, NoDerivative, Occurrence, System, Trajectory, may_forget};
@@ -98,7 +99,15 @@ pub fn exponents(
             let told = (trajectory.advance_to_horizon(&system, &mut work))
                 .map_err(PeriodicError::Ended)?;
             steps += 1;
-            if let Some(why) = trajectory.no_derivative() {
+            if steps > MOST_STEPS {
+                return Err(PeriodicError::NotSettled {
+                    time: trajectory.time(),
+                    nearest: f64::NAN,
+                });
+            }
+            // On the way to an attractor displacements may begin anew; along it there is nothing to average.
+            let why_none = trajectory.no_derivative();
+            if let Some(why) = why_none.filter(|_| interval >= spec.transient) {
                 return Err(no_derivative(model, why));
             }
             forgets |= told.is_some_and(|told| may_forget(model, &told));
@@ -106,6 +115,14 @@ pub fn exponents(
                 take(&mut whole, &units, &trajectory, model);
             }
             let is_over = told == Some(Occurrence::Horizon);
+            if why_none.is_some() {
+                if is_over {
+                    begin_again(&mut frame, &moving);
+                    trajectory.drop_ties();
+                    break;
+                }
+                continue;
+            }
             let is_large = trajectory.is_between_steps()
                 && (trajectory.state()[n..].iter()).any(|x| x.abs() > LARGE);
             if is_over || (!are_natural && is_large) {
@@ -138,12 +155,6 @@ pub fn exponents(
                     forgets = trajectory.is_held(&system);
                 }
             }
-            if steps > MOST_STEPS {
-                return Err(PeriodicError::NotSettled {
-                    time: trajectory.time(),
-                    nearest: f64::NAN,
-                });
-            }
         }
         if interval >= spec.transient {
             growth.push(logarithms);
@@ -153,6 +164,13 @@ pub fn exponents(
         return Err(PeriodicError::Interrupted);
     }
     Ok(averaged(&growth, spec.interval))
+}
+
+/// Takes displacements of one state each.
+fn begin_again(frame: &mut [Vec<f64>], moving: &[usize]) {
+    for (displacement, &i) in frame.iter_mut().zip(moving) {
+        *displacement = unit(displacement.len(), i);
+    }
 }
 
 fn no_derivative(model: &Model, why: NoDerivative) -> PeriodicError {

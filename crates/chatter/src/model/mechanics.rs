@@ -300,6 +300,7 @@ impl Mechanics {
                 *component = self.graph.sub(*component, share);
             }
         }
+        self.keep_exactly(&held, &mut field);
         let (reactions, rest) = solution.split_at(active.len());
         let (stuck, shares) = rest.split_at(leading().count());
         let place = |leader: usize| leading().position(|k| k == leader).unwrap_or(0);
@@ -358,6 +359,7 @@ impl Mechanics {
     }
 }
 
+mod kept;
 mod sides;
 
 use sides::Stick;

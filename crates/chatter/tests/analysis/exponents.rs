@@ -146,7 +146,7 @@ fn refusal(text: &str, interval: f64) -> PeriodicError {
     let model = Model::from_toml(text, "model.toml").unwrap_or_else(|errors| panic!("{errors}"));
     let spec = Spec {
         interval,
-        transient: 4,
+        transient: 0,
         intervals: 16,
     };
     exponents(&model, &spec, &mut |_| ControlFlow::Continue(())).expect_err("none")
@@ -186,5 +186,33 @@ fn what_depends_on_which_contact_is_met_first_has_no_exponents() {
     assert!(
         matches!(joint, PeriodicError::Unfollowed { .. }),
         "{joint:?}"
+    );
+}
+
+/// Impacts that share an instant on the way to an orbit leave nothing in its exponents.
+#[test]
+fn what_depends_on_which_contact_is_met_first_does_not_matter_in_the_transient() {
+    let period = TAU / 2.1;
+    let alike = in_phase("0.3*(v - w)", "");
+    let unlike = alike.replace(
+        "restitution = 0.7\n[initial]",
+        "restitution = 0.3\n[initial]",
+    );
+    let beside = unlike.replace("y = 0\nw = 0\n", "y = 0.1\nw = 0\n");
+    assert!(unlike != alike && beside != unlike);
+    let expected = of_spec(&beside, period, (300, 400));
+    assert!(expected.values[0] < 0.0, "no orbit: {expected:?}");
+    let found = of_spec(&unlike, period, (300, 400));
+    agree(&found, &expected.values, 5e-3);
+    // How volumes shrink does not depend on the directions that are followed.
+    let volume = |found: &Exponents| found.values.iter().sum::<f64>();
+    assert!(
+        (volume(&found) - volume(&expected)).abs() < 1e-9,
+        "{found:?}"
+    );
+    let order = refusal(&unlike, period);
+    assert!(
+        matches!(order, PeriodicError::OrderMatters { .. }),
+        "{order:?}"
     );
 }

@@ -90,10 +90,12 @@ const FAR: [f64; 3] = [2e-2, 6e-3, 2e-3];
 const ALONE: f64 = 1e-2;
 /// In longer numbers they are so near that no further order is left, and yet known.
 const NEAR: [f64; 1] = [1e-6];
-/// Their parameters are known to so many roundoffs.
+/// Their parameters are known to so many roundoffs, and in longer numbers, of which there are enough, to so many.
 const ROUNDOFFS: f64 = 128.0;
-/// Extrapolation may be off by so many times what its last order changed.
-const EXTRAPOLATED: f64 = 8.0;
+const ROUNDOFFS_LONG: f64 = 65536.0;
+/// Extrapolation may be off by so many times what is between the two that it begins from: were what the three distances tell an error of
+/// the place alone, which grows by a factor of four from each to the next in parts of their squares, it would be less than that.
+const EXTRAPOLATED: f64 = 2.0;
 
 /// How far the parameters of the orbits beside a singular one lie along a row, at the parameters that hold the other rows: in parts of
 /// the square of how far aside they are, positive where the branch that leaves goes along the row. None where that is no more than what it
@@ -107,7 +109,12 @@ pub(crate) fn shift(
     let others = beside((shooting, at), singular.sign());
     let farthest = others.map_or(FAR[0], |off| (ALONE * off).sqrt());
     let distances = FAR.map(|far| far.min(farthest));
-    let roughly = shift_of((shooting, at), singular, (along, held), &distances);
+    let roughly = shift_of(
+        (shooting, at),
+        singular,
+        (along, held),
+        (&distances, ROUNDOFFS),
+    );
     roughly.or_else(|| fine_shift((shooting, at), singular.sign(), (along, held)))
 }
 
@@ -140,7 +147,8 @@ fn fine_shift(
     let mut there = Held::singular(&mut fine, singular);
     let found = newton(&mut there, &start, &rows).ok()?;
     let singular = Singular::near(&mut fine, &found.at, sign).ok()?;
-    shift_of((&fine, &found.at), &singular, (along, held), &NEAR)
+    let near = (&NEAR[..], ROUNDOFFS_LONG);
+    shift_of((&fine, &found.at), &singular, (along, held), near)
 }
 
 /// The shift from the first of these distances that there are orbits at whose shift is more than it may be off by.
@@ -148,7 +156,7 @@ fn shift_of<R: Real>(
     (shooting, at): (&Shooting<R>, &[R]),
     singular: &Singular<R>,
     (along, held): (&[f64], &[Vec<f64>]),
-    distances: &[f64],
+    (distances, roundoffs): (&[f64], f64),
 ) -> Option<f64> {
     let along: Vec<R> = along.iter().map(|&x| R::splat(x)).collect();
     let free = shooting.parameters();
@@ -164,11 +172,11 @@ fn shift_of<R: Real>(
         .map(|(by, (x, scale))| (by.to_f64() * x.to_f64().abs().max(*scale)).abs())
         .sum();
     distances.iter().find_map(|&far| {
-        let rounding = ROUNDOFFS * R::ROUNDOFF * size / (0.25 * far).powi(2);
+        let rounding = roundoffs * R::ROUNDOFF * size / (0.25 * far).powi(2);
         let [far, half, quarter] = [of(far)?, of(0.5 * far)?, of(0.25 * far)?];
         let (once, again) = ((4.0 * half - far) / 3.0, (4.0 * quarter - half) / 3.0);
         let by = (16.0 * again - once) / 15.0;
-        let error = rounding + EXTRAPOLATED * (by - again).abs();
+        let error = rounding + EXTRAPOLATED * (again - once).abs();
         (by.abs() > error).then_some(by)
     })
 }

@@ -3,7 +3,7 @@
 //! ```text
 //! Backend       which of the two runs a tape, from when on
 //! assembler     instructions for registers of one, four or eight doubles
-//! compile       a tape's operations as such
+//! compile       a tape's operations as such: at order zero, above it, and whether all is there that they name
 //! straight      orders above zero written out, where there are registers for it
 //! group         the registers of a number
 //! executable    memory that is executed

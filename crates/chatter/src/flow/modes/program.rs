@@ -307,6 +307,22 @@ impl Program {
         let contacts = mechanics.contacts.clone();
         let graph = &mut mechanics.graph;
         let listed = guard_functions(graph, &contacts, (sections, limits), mode);
+        // A motion that is held on a section crosses it where it leaves, if to the other side: what rounding leaves beside it says nothing.
+        let is_look = |&(kind, ..): &(GuardKind, Crossing, Expr)| match kind {
+            GuardKind::Section(section) => sections[section].reset.is_none(),
+            _ => false,
+        };
+        let looks: Vec<usize> = (0..listed.len()).filter(|&k| is_look(&listed[k])).collect();
+        let surfaces: Vec<Expr> = looks.iter().map(|&guard| listed[guard].2).collect();
+        let closed_contacts: Vec<usize> = closed.contacts().collect();
+        let mut rests = mechanics
+            .held_at_zero(&closed_contacts, &surfaces)
+            .into_iter();
+        let mut held: Vec<usize> = { looks }
+            .into_iter()
+            .filter(|_| rests.next() == Some(true))
+            .collect();
+        let graph = &mut mechanics.graph;
         let functions: Vec<Expr> = listed.iter().map(|&(.., function)| function).collect();
         let positive: Vec<Expr> = (listed.iter())
             .filter(|(kind, ..)| matches!(kind, GuardKind::Switch(_)))
@@ -320,15 +336,20 @@ impl Program {
         let mut kept = kept_by_contacts(graph, &contacts, closed, &listed);
         kept.retain(|&(guard, _)| !tape.takes_root_of(tape.outputs[guard]));
         let mut functions = functions.to_vec();
-        if !kept.is_empty() {
+        held.retain(|guard| kept.iter().all(|(other, _)| other != guard));
+        if !kept.is_empty() || !held.is_empty() {
             for &(guard, sign) in &kept {
                 functions[guard] = sign;
+            }
+            for &guard in &held {
+                functions[guard] = graph.number(0.0);
             }
             tape = Tape::new(graph, dimension, rates, &functions);
         }
         for (guard, (kind, ..)) in listed.iter().enumerate() {
             // What is constant here may be another constant beyond a corner; and which sign a parameter has is asked as of all else.
-            if matches!(kind, GuardKind::Section(_)) || kept.iter().any(|&(k, _)| k == guard) {
+            let is_asked = matches!(kind, GuardKind::Section(_)) && !held.contains(&guard);
+            if is_asked || kept.iter().any(|&(k, _)| k == guard) {
                 tape.as_series(guard);
             }
         }

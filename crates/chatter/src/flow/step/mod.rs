@@ -6,33 +6,31 @@
 
 mod certificates;
 pub(super) mod dense;
+mod end;
 pub(super) mod flight;
+mod newton;
 pub(super) mod resolve;
+mod single;
 
 use super::chatter::Tail;
-use super::modes::guard::Transition;
-use super::modes::program::{IMPACT_SCALARS, Program, ProgramConstants};
+use super::modes::program::{IMPACT_SCALARS, Program};
 use super::system::Settings;
 use super::touching::Touching;
 use crate::expressions::{Expansion, MAX_ORDER, Operand, Tape};
-use crate::numerics::dispatch::{Kernel, dispatch_narrow};
-use crate::numerics::polynomial::{
-    bernstein, horner, horner_with_slope, leading_with_slope, magnitude, sizes,
-};
+use crate::numerics::polynomial::{bernstein, horner, magnitude, sizes};
 use crate::numerics::roots::Crossing;
-use crate::numerics::{Mask, Real, Scalar, two_sum};
-use certificates::{Ahead, SignCount, coefficient, falls_by_leading, falls_steadily};
-use flight::{Outcome, later, reaches};
+use crate::numerics::{Mask, Scalar};
+use certificates::{Ahead, SignCount, falls_by_leading, falls_steadily};
+use flight::{Outcome, reaches};
+use newton::{is_inside, leading_quadratic, newton, quadratic_root};
 
 pub(crate) use crate::expressions::ORDER_CLASSES;
+pub(crate) use end::{flight_time, legal_rates};
 
 /// A step may outgrow the predicted one by this factor at most: beyond it the scaled coefficients say little.
 pub(crate) const GROWTH: f64 = 4.0;
 
-/// The unit of time is at most so many times as long as steps have been.
-const AHEAD: f64 = 64.0;
-
-/// And it must not fall below this part of the unit of time that the expansion was scaled with: so far inside, the sizes
+/// Nor may a step be less than this part of the unit of time that the expansion was scaled with: so far inside, the sizes
 /// of coefficients, which grow like powers of that unit, say nothing of how far the expansion reaches. A step as long as
 /// they do say, after a release from a long rest, may be too short to leave the contact by more than rounding.
 pub(crate) const LEAST_GROWTH: f64 = 1.0 / 16.0;
@@ -52,16 +50,6 @@ const TRUNCATION_SHARE: f64 = 0.25;
 /// noise by this factor times the sum of the terms' sizes, of which s^2 p'' is at most the square of the order. Else it
 /// may be a graze.
 const GRAZE: f64 = 2.0 * (MAX_ORDER * MAX_ORDER) as f64;
-
-/// Newton's method stops once a correction is this small relative to the root: the next would be its square.
-const NEWTON_DONE: f64 = 1e-8;
-const NEWTON_STEPS: usize = 6;
-
-/// It begins with a step on so many leading terms and one on twice as many, where there are these.
-const NEWTON_LEADING: usize = 6;
-
-/// A restitution computed from rates may leave [0, 1] by this much.
-const RESTITUTION_SLACK: f64 = 1e-12;
 
 /// Longer than any time of interest, yet finite, so that products with zero stay zero.
 pub(crate) const FOREVER: f64 = 1e30;
@@ -507,380 +495,10 @@ impl<S: Scalar> Workspace<S> {
         }
         certain
     }
-
-    /// Moves the state to the end of the step and applies the impact where one ended it.
-    #[inline(always)]
-    fn finish(&mut self, program: &Program) {
-        self.travel();
-        self.collide(program);
-    }
-
-    /// Moves the state to the end of the step.
-    #[inline(always)]
-    pub(crate) fn travel(&mut self) {
-        let s = self.scaled_step;
-        self.step = s * self.tau;
-        self.step_low = s.mul_add(self.tau, -self.step);
-        for (slot, (state, low)) in self.state.iter_mut().zip(&mut self.low).enumerate() {
-            if self.clock == Some(slot) {
-                (*state, *low) = later((*state, *low), (self.step, self.step_low));
-                continue;
-            }
-            let increment = horner(&self.expansion.series(slot)[1..], s).mul_add(s, *low);
-            (*state, *low) = two_sum(*state, increment);
-        }
-        self.flight_time = S::splat(FOREVER);
-        self.keep_unit();
-    }
-
-    /// The value of a series at the end of the step, so many of whose roots lie at its start, and the size of the terms that it is the
-    /// sum of there.
-    #[inline(always)]
-    pub(crate) fn value_at_end(&self, tape: &Tape, slot: usize, roots: u8) -> (S, S) {
-        let end = AtEnd {
-            series: &self.expansion.series(slot)[usize::from(roots)..],
-            scaled_step: self.scaled_step,
-            roots,
-        };
-        let terms = (self.expansion).size_of_terms(tape, &self.constants, slot);
-        (dispatch_narrow(end), terms)
-    }
-
-    /// The unit of time grows no farther than steps do: where events end them early, polynomials would reach farther and farther,
-    /// and what rounding leaves open that far away says nothing of signs here. It stays what it was, by which such polynomials are
-    /// scaled exactly.
-    #[inline(always)]
-    fn keep_unit(&mut self) {
-        const TOP: usize = ORDER_CLASSES - 1;
-        if self.expansion.order() == S::ORDERS[TOP] {
-            let reach = self.reach[TOP];
-            let is_far = (self.step * S::splat(AHEAD)).less(reach);
-            self.reach[TOP] = S::select(is_far, reach.min(self.tau), reach);
-        }
-    }
-
-    /// Applies the impact that ended the step, if it is one that leaves the rates of closed contacts as they are.
-    #[inline(always)]
-    pub(crate) fn collide(&mut self, program: &Program) {
-        for (index, guard) in program.guards.iter().enumerate() {
-            let Transition::Impact { contact } = guard.transition else {
-                continue;
-            };
-            let here = self.ends_step(index);
-            if here.any() {
-                self.collide_at(program, contact, here);
-            }
-        }
-    }
-
-    /// Applies the impact map (M1) of a contact in the lanes of `here`, and predicts how long the next flight lasts.
-    #[inline(always)]
-    pub(crate) fn collide_at(&mut self, program: &Program, contact: usize, here: S::Mask) {
-        let Some(impact) = program.impacts[contact].as_ref() else {
-            return;
-        };
-        let constants = &self.impact_constants[contact];
-        (self.point).settle(&impact.tape, constants, &self.state, &self.low);
-        for (i, scalar) in self.impact.iter_mut().enumerate() {
-            let value = self.point.value(&impact.tape, constants, i);
-            *scalar = S::select(here, value, *scalar);
-        }
-        // An impact that no restitution in [0, 1] explains is reported, and leaves the state as it was before.
-        let legal = here & legal_rates(self.impact[0], self.impact[1]);
-        for (k, &i) in impact.changed.iter().enumerate() {
-            let place = IMPACT_SCALARS + k;
-            let value = self.point.value(&impact.tape, constants, place);
-            let low = self.point.output_remainder(&impact.tape, place);
-            self.state[i] = S::select(legal, value, self.state[i]);
-            self.low[i] = S::select(legal, low, self.low[i]);
-        }
-        let [_, rate, acceleration, jerk, _, _] = self.impact;
-        let time = flight_time(rate, acceleration, jerk);
-        self.flight_time = S::select(here, time, self.flight_time);
-    }
-}
-
-/// The end of a series, so many of whose roots lie at its start.
-struct AtEnd<'a, S> {
-    series: &'a [S],
-    scaled_step: S,
-    roots: u8,
-}
-
-impl<S: Scalar> Kernel for AtEnd<'_, S> {
-    type Output = S;
-
-    #[inline(always)]
-    fn run(self) -> S {
-        let end = horner(self.series, self.scaled_step);
-        (0..self.roots).fold(end, |value, _| value * self.scaled_step)
-    }
 }
 
 /// 1, or -1 for what is negative.
 #[inline(always)]
 fn sign<S: Scalar>(value: S) -> S {
     S::select(value.less(S::splat(0.0)), S::splat(-1.0), S::splat(1.0))
-}
-
-/// Whether the rate after an impact is one that a restitution in [0, 1] gives, up to rounding.
-#[inline(always)]
-pub(crate) fn legal_rates<S: Scalar>(before: S, after: S) -> S::Mask {
-    let slack = before.abs() * S::splat(RESTITUTION_SLACK);
-    let separating = (-slack).at_most(after) & after.at_most(slack - before);
-    // An incoming rate that rounding has taken away: there is nothing to reverse.
-    S::splat(0.0).at_most(before) | separating
-}
-
-/// Time to the next impact to leading order, eq. (3); [`FOREVER`] where there is none.
-#[inline(always)]
-pub(crate) fn flight_time<S: Scalar>(rate: S, acceleration: S, jerk: S) -> S {
-    let nu = -acceleration;
-    // That of the equation, times nu^2.
-    let radicand = (jerk * rate).mul_add(S::splat(-8.0 / 3.0), nu * nu);
-    let root = radicand.max(S::splat(0.0)).sqrt();
-    let time = S::splat(4.0) * rate / (nu + root);
-    let falls_back =
-        S::splat(0.0).less(nu) & S::splat(0.0).at_most(radicand) & S::splat(0.0).at_most(rate);
-    S::select(falls_back & time.is_finite(), time, S::splat(FOREVER))
-}
-
-/// The quadratic that p begins with, at s.
-#[inline(always)]
-fn leading_quadratic<S: Scalar>(p: &[S], s: S) -> S {
-    coefficient(p, 2).mul_add(s, p[1]).mul_add(s, p[0])
-}
-
-/// The smaller positive root of the leading quadratic, the next impact in the flight of eq. (3), and where it is one; elsewhere
-/// any number.
-#[inline(always)]
-fn quadratic_root<S: Scalar>(p: &[S]) -> (S, S::Mask) {
-    let zero = S::splat(0.0);
-    let (c, b) = (p[0], p[1]);
-    let a = coefficient(p, 2);
-    let radicand = b.mul_add(b, S::splat(-4.0) * a * c);
-    let two_c = c + c;
-    let root = two_c / (radicand.max(zero).sqrt() - b);
-    (root, zero.at_most(radicand))
-}
-
-/// Whether a place is on (0, end].
-#[inline(always)]
-fn is_inside<S: Scalar>(place: S, end: S) -> S::Mask {
-    S::splat(0.0).less(place) & place.at_most(end)
-}
-
-/// Newton's method from a guess; each lane stops when its own correction is small, whatever the others do. Also tells the
-/// slope at the root.
-#[inline(always)]
-fn newton<S: Scalar>(p: &[S], guess: S, end: S) -> (S, S::Mask, S) {
-    let zero = S::splat(0.0);
-    let far = end + end;
-    let usable = is_inside(guess, far);
-    let mut at = S::select(usable, guess, end);
-    let mut done = !usable;
-    // The leading terms bring the guess close at a part of the cost: a few of them where it may be far, more when it is near.
-    let mut inverse = zero;
-    if let (Some(few), Some(more)) = (p.first_chunk(), p.first_chunk::<{ 2 * NEWTON_LEADING }>()) {
-        let next;
-        (next, inverse) = chebyshev(few, at);
-        at = S::select(usable & is_inside(next, far), next, at);
-        let (value, slope) = leading_with_slope(more, at);
-        // From where the step of Chebyshev's began: twice, since it was a long one. What comes of slopes that differ more is mended below.
-        for _ in 0..2 {
-            inverse = nearer_inverse(inverse, slope).0;
-        }
-        let next = at - value * inverse;
-        at = S::select(usable & is_inside(next, far), next, at);
-    }
-    let mut last_slope = zero;
-    // The square of what double-double has to reach is not reached by what suffices for a double; nor is that of the error of an
-    // inverse by more than its root.
-    let least = NEWTON_DONE * (S::ROUNDOFF * 1e16).sqrt();
-    let (least, close) = (S::splat(least), S::splat(least.sqrt()));
-    for _ in 0..NEWTON_STEPS {
-        let (value, slope) = horner_with_slope(p, at);
-        let (nearer, miss) = nearer_inverse(inverse, slope);
-        let is_close = miss.abs().at_most(close);
-        inverse = nearer;
-        if !is_close.all() {
-            inverse = S::select(is_close, nearer, S::splat(1.0) / slope);
-        }
-        let correction = value * inverse;
-        last_slope = S::select(done, last_slope, slope);
-        at = S::select(done, at, at - correction);
-        let small = correction.abs().at_most(at.abs() * least);
-        done = done | small;
-        if done.all() {
-            break;
-        }
-    }
-    (at, done & usable, last_slope)
-}
-
-/// The inverse of a slope from that of one nearby, and by what part that was off, of which the square is left.
-#[inline(always)]
-fn nearer_inverse<S: Scalar>(nearby: S, slope: S) -> (S, S) {
-    let miss = (-slope).mul_add(nearby, S::splat(1.0));
-    (nearby.mul_add(miss, nearby), miss)
-}
-
-/// A step of Chebyshev's method on a few terms: it triples the digits where Newton's doubles them. With the inverse of the slope.
-#[inline(always)]
-fn chebyshev<S: Scalar>(p: &[S; NEWTON_LEADING], at: S) -> (S, S) {
-    const LAST: usize = NEWTON_LEADING - 1;
-    let mut half_bend = p[LAST] * S::splat((LAST * (LAST - 1) / 2) as f64);
-    for k in (2..LAST).rev() {
-        half_bend = half_bend.mul_add(at, p[k] * S::splat((k * (k - 1) / 2) as f64));
-    }
-    let (value, slope) = leading_with_slope(p, at);
-    let inverse = S::splat(1.0) / slope;
-    let (newton, bend) = (value * inverse, half_bend * inverse);
-    (at - (newton * newton).mul_add(bend, newton), inverse)
-}
-
-/// What one trajectory asks for beside its steps: one kernel, so that the interpreter is compiled once.
-enum Task<'a, R> {
-    /// The expansion of a step alone.
-    Expansion(&'a Program, usize),
-    /// An expansion of the lowest order from another state, which leaves that of the step as it is.
-    Point {
-        tape: &'a Tape,
-        constants: &'a [R],
-        state: &'a [R],
-        low: &'a [R],
-        tau: R,
-    },
-    /// The outputs of a tape at a state and its remainders.
-    Values {
-        tape: &'a Tape,
-        constants: &'a [R],
-        state: &'a [R],
-        low: &'a [R],
-        values: &'a mut [R],
-    },
-}
-
-struct Single<'w, 'a, R: Real> {
-    work: &'w mut Workspace<R>,
-    task: Task<'a, R>,
-}
-
-impl<R: Real> Kernel for Single<'_, '_, R> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        let Self { work, task } = self;
-        match task {
-            Task::Expansion(program, class) => work.expand(program, class),
-            Task::Point {
-                tape,
-                constants,
-                state,
-                low,
-                tau,
-            } => (work.point).run(tape, constants, state, low, tau, R::ORDERS[0]),
-            Task::Values {
-                tape,
-                constants,
-                state,
-                low,
-                values,
-            } => work.point.evaluate(tape, constants, state, low, values),
-        }
-    }
-}
-
-impl<R: Real> Workspace<R> {
-    /// Expands, and leaves what follows to the caller.
-    pub(crate) fn expand_only(&mut self, program: &Program, class: usize) {
-        self.run(Task::Expansion(program, class));
-    }
-
-    /// Expands to the lowest order from a state and its remainders, into [`point`](Self::point).
-    pub(crate) fn expand_at(
-        &mut self,
-        tape: &Tape,
-        constants: &[R],
-        (state, low): (&[R], &[R]),
-        tau: R,
-    ) {
-        self.run(Task::Point {
-            tape,
-            constants,
-            state,
-            low,
-            tau,
-        });
-    }
-
-    /// Values of a tape's outputs at a point.
-    pub(crate) fn values_at(
-        &mut self,
-        tape: &Tape,
-        constants: &[R],
-        (state, low): (&[R], &[R]),
-        values: &mut [R],
-    ) {
-        self.run(Task::Values {
-            tape,
-            constants,
-            state,
-            low,
-            values,
-        });
-    }
-
-    fn run(&mut self, task: Task<'_, R>) {
-        dispatch_narrow(Single { work: self, task });
-    }
-
-    /// Whether arguments that must not vanish are told from zero.
-    pub(crate) fn is_clear(&self) -> bool {
-        self.clear
-    }
-
-    /// Which of the program's singular points the expansion reaches no further for than `scaled_step`, and how far away it is.
-    pub(crate) fn singularity(&mut self, program: &Program) -> Option<(usize, R)> {
-        let step = self.scaled_step;
-        let (which, reach) = (self.expansion).singularity(&program.tape, &self.constants, step)?;
-        Some((which, reach * self.tau))
-    }
-
-    /// Whether a series of the latest expansion is told from zero at its start, by the bounds of its rounding.
-    pub(crate) fn is_told(&mut self, program: &Program, slot: usize) -> bool {
-        (self.expansion)
-            .is_told(&program.tape, &self.constants, slot)
-            .all()
-    }
-
-    /// Which of the program's singular points is not positive, or cannot be told from zero, or is nearer by its rate than the shortest step
-    /// that was tried: that which is nearest, where series say no more.
-    pub(crate) fn vanishing(&self, program: &Program) -> Option<usize> {
-        let distance = |slot: usize| {
-            let series = self.expansion.series(slot);
-            let terms = (self.expansion).size_of_terms(&program.tape, &self.constants, slot);
-            let distance = (series[0].abs() / series[1]).abs().to_f64();
-            let vanishes = series[0] <= terms * R::splat(Self::NOISE) || distance <= 1.0;
-            vanishes.then_some(if distance.is_nan() {
-                f64::INFINITY
-            } else {
-                distance
-            })
-        };
-        (program.tape.singular.iter().enumerate())
-            .filter_map(|(which, singular)| Some((which, distance(singular.slot)?)))
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|(which, _)| which)
-    }
-
-    /// Sets the constants of a program for a single trajectory.
-    #[inline(always)]
-    pub(crate) fn load_constants(&mut self, constants: &ProgramConstants<R>) {
-        if self.edition != Some(constants.edition) {
-            self.edition = Some(constants.edition);
-            self.constants.clone_from(&constants.tape);
-            self.impact_constants.clone_from(&constants.impacts);
-        }
-    }
 }

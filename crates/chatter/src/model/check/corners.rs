@@ -117,6 +117,9 @@ pub struct CornerKind {
 const PROBES: usize = 64;
 const NEWTON_STEPS: usize = 40;
 
+/// A point is on a surface whose function is less than this part of the terms that it is the sum of.
+const ON_SURFACE: f64 = 1e-9;
+
 /// A field jumps by more than this part of its size.
 const JUMP: f64 = 1e-9;
 
@@ -183,6 +186,13 @@ impl Model {
                 }
             }
             let slope = graph.evaluate_all(&slopes, &x, parameters);
+            // On a side of another corner the function may vanish nowhere.
+            let terms: f64 = (x.iter().zip(&slope))
+                .map(|(x, s)| (1.0 + x.abs()) * s.abs())
+                .sum();
+            if graph.evaluate(surface, &x, parameters).abs() > ON_SURFACE * terms {
+                continue;
+            }
             let (sides, pieces) = corners.at(&graph, &x, parameters);
             let mut values = parameters.to_vec();
             for (lookup, &piece) in pieces.iter().enumerate() {
@@ -206,6 +216,31 @@ impl Model {
             kind.jumps |= jumps;
             let (up, down) = (along(&above), along(&below));
             kind.can_slide |= jumps && up < down - JUMP * (up.abs() + down.abs());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::model::Model;
+
+    /// The saturated force jumps nowhere: where the upper bound is asked below the lower one, its function is no zero.
+    #[test]
+    fn a_surface_is_asked_where_it_is_one() {
+        for force in [
+            "min(max(4*v, -1), 1)",
+            "max(min(4*v, 1), -1)",
+            "clamp(4*v, -1, 1)",
+        ] {
+            let text =
+                format!("[flight]\nx = \"v\"\nv = \"-x - {force}\"\n[initial]\nx = 1\nv = 0\n");
+            let model = Model::from_toml(&text, "model.toml").unwrap();
+            let kinds = model.corner_kinds();
+            assert_eq!(kinds.len(), 2, "{kinds:?}");
+            assert!(
+                kinds.iter().all(|kind| !kind.jumps && !kind.can_slide),
+                "{kinds:?}"
+            );
         }
     }
 }

@@ -465,6 +465,33 @@ fn doublings_of_linear_maps_have_no_side() {
     assert_eq!(special.above, None);
 }
 
+/// On an orbit that stays clear of a backlash a shaft whose stiffness varies is linear: where it doubles, at either end of the resonance,
+/// a place that is known to rounding alone tells no side.
+#[test]
+fn doublings_of_linear_orbits_have_no_side() {
+    let text = r#"
+    [parameters]
+    omega = 1.8
+    [flight]
+    x = "v"
+    v = "0.2 + 0.15*cos(omega*t + 0.4) - 0.08*v - (1 + 0.25*cos(omega*t))*(x - clamp(x, -0.5, 0.5))"
+    [initial]
+    x = 0.8
+    v = 0
+    "#;
+    for start in ["1.7", "1.8", "2.1"] {
+        let model = with(text, &[("omega", start)]);
+        let found = over(&model, "omega", (1.6, 2.2), (100, 0.02));
+        let doublings: Vec<_> = (found[0].special.iter())
+            .filter(|special| special.kind == SpecialKind::PeriodDoubling)
+            .collect();
+        assert_eq!(doublings.len(), 2, "from {start}: {:?}", found[0].special);
+        for doubling in doublings {
+            assert_eq!(doubling.above, None, "from {start}: {}", value(doubling));
+        }
+    }
+}
+
 /// th' = a - sin(th) goes around in 2 pi / sqrt(a^2 - 1): two equilibria come about on the orbit at a = 1.
 #[test]
 fn a_period_that_grows_as_an_inverse_root_is_told_with_where_it_ends() {

@@ -300,6 +300,34 @@ v = 0
     }
 }
 
+/// A wall that is struck on the way to a limit cycle alone is of the past: the cycle is that without it.
+#[test]
+fn what_happens_on_the_way_to_a_limit_cycle_is_forgotten() {
+    const EXCITED: &str = r#"
+[parameters]
+wall = 2.5
+[flight]
+x = "v"
+v = "0.5*(1 - x^2)*v - x"
+[[contact]]
+name = "wall"
+gap = "wall - x"
+impulse = { v = -1 }
+restitution = 0.5
+[section.mid]
+surface = "x"
+direction = "rising"
+[initial]
+x = 0
+v = 6
+"#;
+    let struck = orbit(&with(EXCITED, &[]));
+    let free = orbit(&with(EXCITED, &[("wall", "9")]));
+    assert_eq!((struck.impacts, free.impacts), (Some(0), Some(0)));
+    assert!((struck.period.to_f64() - free.period.to_f64()).abs() < 1e-14);
+    assert!(struck.is_stable() && (struck.period.to_f64() - 6.380_675_801_77).abs() < 1e-10);
+}
+
 /// A block that is thrown off a floor with friction: impacts slow it, or stop it.
 #[test]
 fn orbits_with_friction_in_impacts_are_closed() {

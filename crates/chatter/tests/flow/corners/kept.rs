@@ -3,6 +3,7 @@
 
 use super::run;
 use chatter::analysis::simulate::Outcome;
+use chatter::flow::Occurrence;
 use chatter::numerics::{DoubleDouble, Real};
 
 /// z follows y from where 0.7 x - z reaches 0.02, x being y in another unit of length; before that it falls. After it z' = y = 1 - z...:
@@ -32,5 +33,58 @@ fn a_surface_is_kept_whatever_the_unit_of_what_it_is_a_function_of() {
     ] {
         follows::<f64>(unit, back);
         follows::<DoubleDouble>(unit, back);
+    }
+}
+
+/// A ram rests on a pile that friction holds in the soil, and three blocks on each other and on the ground: two forces that cancel hold
+/// each of them. What rests goes nowhere, however long.
+#[test]
+fn what_several_forces_hold_does_not_creep() {
+    let pile = "[flight]\ny = \"v\"\nv = \"-9.81\"\np = \"u\"\nu = \"-9.81 - 300*sign(u) - 500*p\"\n\
+         [[contact]]\nname = \"ram\"\ngap = \"y - p\"\nimpulse = { v = \"1/2\", u = \"-1\" }\nrestitution = 0.3\n\
+         [initial]\ny = 0\nv = -2\np = 0\nu = -2\n";
+    let blocks = "[flight]\nx = \"v\"\nv = \"(-0.7*x + 0.3*sign(w - v) - 0.9*sign(v))/1.3\"\ny = \"w\"\n\
+         w = \"(-0.11*(y - 0.3) - 0.3*sign(w - v))/0.37\"\n[initial]\nx = 2.1\nv = 0.1\ny = -0.7\nw = 1.2\n";
+    for (text, rests) in [(pile, 1.0), (blocks, 50.0)] {
+        let (soon, late) = (run::<f64>(text, rests), run::<f64>(text, 1e6));
+        assert_eq!(late.outcome, Outcome::Horizon, "{text}");
+        assert_eq!(soon.state, late.state, "{text}");
+    }
+}
+
+/// Sections on a speed that sticks are crossed where it is left to the other side, however they are spelled.
+#[test]
+fn a_section_that_is_stuck_to_is_crossed_where_it_is_left() {
+    let spellings = ["v", "3.3*v", "v*(2 + cos(x))", "-0.1*v"];
+    let directions = ["rising", "falling", "either"];
+    let mut text = String::from("[flight]\nx = \"v\"\nv = \"1.3*cos(0.5*t) - sign(v)\"\n");
+    for (k, spelling) in spellings.iter().enumerate() {
+        for direction in directions {
+            text += &format!(
+                "[section.s{k}{direction}]\nsurface = \"{spelling}\"\ndirection = \"{direction}\"\n"
+            );
+        }
+    }
+    text += "[initial]\nx = 0\nv = 0.1\n";
+    let run = run::<f64>(&text, 60.0);
+    let times = |wanted: &dyn Fn(&Occurrence<f64>) -> bool| -> Vec<f64> {
+        let events = run.events.iter().filter(|event| wanted(&event.detail));
+        events.map(|event| event.time).collect()
+    };
+    let crossed = |number: usize| times(&|what| *what == Occurrence::Section { section: number });
+    let left = times(&|what| matches!(what, Occurrence::Leave { .. } | Occurrence::Switch { .. }));
+    let slid = times(&|what| matches!(what, Occurrence::Slide { .. }));
+    assert!(slid.len() >= 3, "{slid:?}");
+    let either = crossed(2);
+    assert!(
+        either.iter().all(|time| left.contains(time)),
+        "{either:?}, left at {left:?}"
+    );
+    for k in 0..spellings.len() {
+        let [rising, falling, both] = [0, 1, 2].map(|way| crossed(3 * k + way));
+        assert_eq!(both, either, "{}", spellings[k]);
+        assert_eq!(rising.len() + falling.len(), both.len(), "{}", spellings[k]);
+        let expected = if k == 3 { crossed(1) } else { crossed(0) };
+        assert_eq!(rising, expected, "{}", spellings[k]);
     }
 }

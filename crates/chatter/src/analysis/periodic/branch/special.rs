@@ -91,6 +91,14 @@ impl SpecialKind {
         Self::BorderDoubling,
     ];
 
+    /// Whether an orbit at a point of this kind, which curves are of, has a multiplier on the unit circle.
+    pub(crate) fn has_neutral_multiplier(self) -> bool {
+        matches!(
+            self,
+            Self::Fold | Self::PeriodDoubling | Self::NeimarkSacker | Self::BranchPoint
+        )
+    }
+
     /// Its name in results.
     pub const fn name(self) -> &'static str {
         match self {

@@ -5,7 +5,7 @@ use super::itinerary::{Step, around, read};
 use super::left::touched_at_rest;
 use super::reread::from_early_on;
 use super::rotate::{past_instant, rotate};
-use super::trace::{Instant, Tracer, leave_out_crossings};
+use super::trace::{Instant, PAST, Tracer, forget_past, leave_out_crossings};
 use crate::analysis::periodic::closure::{Closure, Turn};
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::{Shooting, Workshop, take_in_moves, without_zeros};
@@ -477,7 +477,8 @@ pub(crate) fn settle(
                 }
                 let quiet = instants.last().map_or(start, |instant| instant.time);
                 let all = tracer.trajectory.time() - start;
-                if instants.len() - before < chunk && tracer.trajectory.time() - quiet > 0.5 * all {
+                let is_past = tracer.trajectory.time() - quiet > PAST * all;
+                if instants.len() - before < chunk && is_past {
                     let all = vec![true; state.len()];
                     let goes_on = tracer.moves((NEAR[1], &all), observer)?;
                     return Err(comes_to_rest(quiet, !goes_on));
@@ -494,6 +495,7 @@ pub(crate) fn settle(
                 });
             }
         }
+        forget_past(&mut instants, section, (start, tracer.trajectory.time()));
         leave_out_crossings(&mut instants, section);
         let keep = instants.len().saturating_sub(4 * CHUNK);
         instants.drain(..keep);

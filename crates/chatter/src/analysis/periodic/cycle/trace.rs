@@ -73,6 +73,11 @@ impl Instant {
         self.is_at(section) && self.mode_after == self.mode && self.told.iter().all(crosses)
     }
 
+    /// Whether an event ends the step that leads here, beside the crossing of a section.
+    fn happens_beside(&self, section: usize) -> bool {
+        self.guard.is_some() && !self.only_crosses(section)
+    }
+
     pub(crate) fn is_release(&self) -> bool {
         (self.told.iter()).any(|told| matches!(told, Occurrence::Release { .. }))
     }
@@ -95,12 +100,30 @@ impl Instant {
     }
 }
 
+/// What happened last is of the past once this part of the time has gone by since.
+pub(super) const PAST: f64 = 0.5;
+
+/// Forgets what happened before a motion left all that it met on its way, but for the section: crossings tell its returns.
+pub(super) fn forget_past(
+    instants: &mut Vec<Instant>,
+    section: Option<usize>,
+    (start, now): (f64, f64),
+) {
+    let Some(section) = section else { return };
+    let Some(latest) = (instants.iter()).rposition(|instant| instant.happens_beside(section))
+    else {
+        return;
+    };
+    if now - instants[latest].time > PAST * (now - start) {
+        instants.drain(..=latest);
+    }
+}
+
 /// Leaves crossings of the section out where anything else happens. They change nothing; and where one shares its instant with an event, which of
 /// them comes first, if they are told apart at all, is rounding, and differs from turn to turn.
 pub(super) fn leave_out_crossings(instants: &mut Vec<Instant>, section: Option<usize>) {
     let Some(section) = section else { return };
-    let happens = |instant: &Instant| instant.guard.is_some() && !instant.only_crosses(section);
-    if instants.iter().any(happens) {
+    if (instants.iter()).any(|instant| instant.happens_beside(section)) {
         instants.retain(|instant| !instant.only_crosses(section));
     }
 }

@@ -325,6 +325,14 @@ impl Follower {
             (point.multipliers, point.modulus_error) =
                 multipliers(&self.shooting, &station.at, self.grazing);
         }
+        if self.kind.has_neutral_multiplier() {
+            // It is on the circle by the equations: what it is told off is what moduli there are known to.
+            let off = |m: &Complex| (m.modulus() - 1.0).abs();
+            let nearest = (point.multipliers.iter()).map(off).fold(NEAR_ONE, f64::min);
+            if nearest < NEAR_ONE {
+                point.modulus_error = point.modulus_error.max(2.0 * nearest);
+            }
+        }
         point
     }
 

@@ -49,6 +49,11 @@ impl<R: Real> Trajectory<R> {
         (self.no_derivative).or_else(|| tie.map(|tie| NoDerivative::Order(tie.contact)))
     }
 
+    /// The columns are to be others: what has left those before without a meaning does not matter to them.
+    pub(crate) fn drop_ties(&mut self) {
+        (self.no_derivative, self.tie) = (None, None);
+    }
+
     fn shares_instant(&self, tie: &Tie<R>) -> bool {
         self.time - tie.time <= self.rest_of_burst()
     }

@@ -66,7 +66,7 @@ pub(in crate::analysis::periodic::branch) fn growth(
     (name, scale): (&str, f64),
 ) -> Option<Growth> {
     let size = |point: &Point| point.state[place].abs();
-    let run = Series::growing(points, &size);
+    let run = Series::growing(points, &size, 0.0);
     let (first, last) = run.ends()?;
     if size(last) < GROWN * size(first) {
         return None;

@@ -95,7 +95,7 @@ pub(in crate::analysis::periodic::branch) fn unbounded(
     name: &str,
     scale: f64,
 ) -> Option<Unbounded> {
-    let run = Series::growing(points, &|point: &Point| point.period);
+    let run = Series::growing(points, &|point: &Point| point.period, NEAR * scale);
     let (first, last) = run.ends()?;
     if run.points.len() < FEWEST || last.period < GROWN * first.period {
         return None;
@@ -105,30 +105,34 @@ pub(in crate::analysis::periodic::branch) fn unbounded(
     Some(Unbounded {
         name: name.to_owned(),
         value,
-        error: error + run.rounding(value),
+        error: error + run.rounding(value) + run.turned_back(),
         period: last.period,
         law,
         law_error,
     })
 }
 
-/// The latest points along which what is measured grows and the parameter goes one way, with one sequence of events.
+/// The latest points along which what is measured grows and the parameter goes one way, but for what it is known to, with one sequence of
+/// events.
 pub(super) struct Series<'p> {
     points: &'p [Point],
     measure: &'p dyn Fn(&Point) -> f64,
 }
 
 impl<'p> Series<'p> {
-    pub(super) fn growing(points: &'p [Point], measure: &'p dyn Fn(&Point) -> f64) -> Self {
-        let way = match points {
-            [.., before, last] => last.parameter() - before.parameter(),
-            _ => 0.0,
-        };
+    pub(super) fn growing(
+        points: &'p [Point],
+        measure: &'p dyn Fn(&Point) -> f64,
+        known_to: f64,
+    ) -> Self {
+        let gone = |pair: &[Point]| pair[1].parameter() - pair[0].parameter();
+        let mut latest = points.windows(2).map(gone).rev();
+        let way = latest.find(|gone| gone.abs() > known_to);
+        let way = way.map_or(0.0, f64::signum);
         let goes_on = |pair: &&[Point]| {
-            let gone = pair[1].parameter() - pair[0].parameter();
             measure(&pair[1]) > measure(&pair[0])
                 && pair[1].impacts == pair[0].impacts
-                && gone * way >= 0.0
+                && gone(pair) * way >= -known_to
         };
         let steps = points.windows(2).rev().take_while(goes_on).count();
         Self {
@@ -150,6 +154,16 @@ impl<'p> Series<'p> {
     fn with(&self, value: f64) -> Option<&'p Point> {
         let place = (self.points).partition_point(|point| self.of(point) < value);
         self.points.get(place.min(self.points.len() - 1))
+    }
+
+    /// The most that the parameter goes back on its way: what it is known to on these orbits.
+    fn turned_back(&self) -> f64 {
+        let Some((first, last)) = self.ends() else {
+            return 0.0;
+        };
+        let way = (last.parameter() - first.parameter()).signum();
+        let back = |pair: &[Point]| (pair[0].parameter() - pair[1].parameter()) * way;
+        self.points.windows(2).map(back).fold(0.0, f64::max)
     }
 
     /// What a value that the parameter comes to is known to at best.
