@@ -16,6 +16,7 @@ mod plane;
 mod plane_corners;
 mod plane_stays;
 mod plane_turns;
+mod plane_walls;
 mod reference;
 mod units;
 

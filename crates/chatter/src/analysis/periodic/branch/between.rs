@@ -7,7 +7,7 @@ use crate::analysis::continuation::{Problem, Singular, Station, locate};
 use crate::analysis::periodic::aside::shift;
 use crate::analysis::periodic::condition::{Bordered, Condition};
 use crate::analysis::periodic::multipliers::{
-    beyond, farthest, is_near, neutral, off_together, pair, passes, passes_at_place,
+    NEAR_ONE, beyond, farthest, is_near, neutral, off_together, pair, passes, passes_at_place,
     passes_together, straddles,
 };
 use crate::analysis::periodic::shooting::Shooting;
@@ -439,7 +439,9 @@ impl Walker {
             Passed::Fold(_) | Passed::MeetingOf(..) => is_near(&here.multipliers, 1.0),
             Passed::Doubling(_) | Passed::DoublingOf(..) => is_near(&here.multipliers, -1.0),
             // One of two real multipliers may as well be the inverse of the other.
-            Passed::Torus(..) => neutral.is_some_and(|(_, sum, _)| sum.abs() < 2.0),
+            Passed::Torus(..) => {
+                neutral.is_some_and(|(off, sum, _)| off.abs() < NEAR_ONE && sum.abs() < 2.0)
+            }
             Passed::Monitor(..) => true,
         };
         if !is_it {

@@ -135,20 +135,30 @@ impl<R: Real> Shooting<R> {
         (found, unknown * largest.max(1.0))
     }
 
-    /// Whether an impact has lost its rate: multipliers have a pole there. Rates are compared with the largest and, since all may have
-    /// lost theirs, with what its acceleration makes of each in the flight before.
+    /// Whether an impact has lost its rate: multipliers have a pole there.
     pub(crate) fn grazes(&self) -> bool {
         self.without_rate().is_some()
     }
 
-    /// The step that ends with such an impact.
+    /// The first step that ends with such an impact.
     pub(crate) fn without_rate(&self) -> Option<usize> {
+        self.slower_than(NO_RATE).first().copied()
+    }
+
+    /// Whether that of a step has.
+    pub(crate) fn has_lost_rate(&self, index: usize) -> bool {
+        self.slower_than(NO_RATE).contains(&index)
+    }
+
+    /// The steps with impacts whose rates are no more than a part of the largest or, since all may have lost theirs, of what its acceleration makes
+    /// of each in the flight before.
+    pub(crate) fn slower_than(&self, part: f64) -> Vec<usize> {
         let impacts = self.rates(|index| self.steps[index].impact().is_some());
         let largest = impacts
             .iter()
             .fold(0.0_f64, |most, (_, rate, _)| most.max(*rate));
-        let lost = |&&(_, rate, gained): &&(usize, f64, f64)| rate <= NO_RATE * largest.max(gained);
-        impacts.iter().find(lost).map(|(index, ..)| *index)
+        let lost = |&&(_, rate, gained): &&(usize, f64, f64)| rate <= part * largest.max(gained);
+        (impacts.iter().filter(lost).map(|(index, ..)| *index)).collect()
     }
 
     /// Whether a surface is crossed with next to no rate. Where the field jumps there, what the crossing and the way back do to a

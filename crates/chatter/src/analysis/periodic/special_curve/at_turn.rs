@@ -1,14 +1,12 @@
 //! What breaks where a rate turns on a surface on which the force changes: a graze after which the state is held there, and an impact that loses its
 //! rate.
 
-use super::follower::{Follower, NOT_QUITE, VANISHES};
+use super::follower::{Follower, VANISHES};
 use super::past_touch::touched;
 use crate::analysis::continuation::{Problem, Station, locate};
 use crate::analysis::periodic::branch::Broken;
 use crate::analysis::periodic::condition::Bordered;
-use crate::analysis::periodic::cycle::itinerary::Step;
 use crate::flow::GuardKind;
-use crate::flow::leg::Landing;
 
 impl Follower {
     /// Where the flow after a graze turns back to the surface that its rate turns on, or to one that was crossed, if that is what breaks: beyond, the
@@ -49,18 +47,12 @@ impl Follower {
             _ => return None,
         };
         self.shooting.steps[index].impact()?;
-        let mut rates = |station: &Station| -> Option<Vec<f64>> {
+        let mut rate = |station: &Station| -> Option<f64> {
             self.shooting.evaluate(&station.at).ok()?;
-            let landings = self.shooting.latest.iter().zip(&self.shooting.steps);
-            let rate = |(landing, step): (&Landing<f64>, &Step)| {
-                step.impact().map_or(0.0, |_| landing.surface_rate.abs())
-            };
-            Some(landings.map(rate).collect())
+            Some(self.shooting.latest.get(index)?.surface_rate.abs())
         };
-        let (before, here) = (rates(from)?, rates(station)?);
-        // Where it is the only one it is to vanish against what it was.
-        let most = { here.iter().chain(&before) }.fold(0.0_f64, |most, rate| most.max(*rate));
-        let vanishes = here[index] <= NOT_QUITE * most || here[index] <= VANISHES * before[index];
+        let (before, here) = (rate(from)?, rate(station)?);
+        let vanishes = self.shooting.has_lost_rate(index) || here <= VANISHES * before;
         (self.grazing != Some(index) && vanishes).then_some(Broken::Event(index))
     }
 }

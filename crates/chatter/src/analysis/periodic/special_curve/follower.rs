@@ -602,6 +602,15 @@ impl Follower {
             SpecialKind::Fold => SpecialKind::GrazeFold,
             SpecialKind::PeriodDoubling => SpecialKind::GrazeDoubling,
             SpecialKind::NeimarkSacker => SpecialKind::GrazeTorus,
+            SpecialKind::Monitor => {
+                // Named by how the gap of the orbit without the impact goes over the parameter.
+                let closes =
+                    matches!(broken, Broken::Inner(..)) == (station.parameter_slope() > 0.0);
+                match closes {
+                    true => SpecialKind::FlightGraze,
+                    false => SpecialKind::ImpactGraze,
+                }
+            }
             kind if kind.is_graze() => SpecialKind::DoubleGraze,
             _ => return Stop::End(lost),
         };

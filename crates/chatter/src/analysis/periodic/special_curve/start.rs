@@ -17,6 +17,8 @@ use std::sync::Arc;
 /// Before a graze orbits are looked at without the impact, and with it: an impact slower than this part of the fastest is the
 /// grazing one.
 const SLOWEST: f64 = 1e-5;
+/// An impact beside a graze that is slower than this is rounding: there is another graze.
+const AT_ONCE: f64 = 1e-9;
 /// This part of a leg from where it begins is its start.
 const AT_START: f64 = 1e-5;
 
@@ -122,7 +124,30 @@ fn begin_at(
         _ => return Err(unfollowed()),
     };
     let held = Row::held(&at, at.len() - 1..at.len());
-    solved((shooting, at), (condition, grazing), known.kind, &held)
+    let begun = solved((shooting, at), (condition, grazing), known.kind, &held)?;
+    match grazing {
+        Some(_) => without_other_grazes(begun, known.kind),
+        None => Ok(begun),
+    }
+}
+
+/// A graze, without the impacts beside it that have no rate either: where an orbit that hits one wall meets one that is its own mirror image
+/// both walls are grazed at once, and so they are all along the curve.
+fn without_other_grazes(mut begun: Begun, kind: SpecialKind) -> Result<Begun, PeriodicError> {
+    loop {
+        let mut lost = begun.shooting.slower_than(AT_ONCE).into_iter();
+        let Some(other) = lost.find(|&index| begun.grazing != Some(index)) else {
+            return Ok(begun);
+        };
+        let (mut shooting, at, _) = begun.shooting.without_event(&begun.at, other)?;
+        shooting.evaluate(&at).map_err(failed)?;
+        let Some(index) = shooting.without_rate() else {
+            return Err(failed("all impacts that graze are one"));
+        };
+        let held = Row::held(&at, at.len() - 1..at.len());
+        let condition = Condition::Monitor(index);
+        begun = solved((shooting, at), (condition, Some(index)), kind, &held)?;
+    }
 }
 
 /// The solution near a guess, where one more row is held: the last parameter, mostly.

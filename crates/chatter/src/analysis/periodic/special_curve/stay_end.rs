@@ -95,8 +95,13 @@ impl Follower {
         };
         while here.time != longest {
             let next = longest.min(GROWS * here.time.max(VANISHED * period));
-            here = self.on_to(&here, (place, next))?;
+            // Other events may be nearer than that.
+            let Some(longer) = self.on_to(&here, (place, next)) else {
+                break;
+            };
+            here = longer;
         }
+        let longest = here.time;
         let mut all = vec![here];
         for halves in 1..STAYS {
             let next = longest * 0.5_f64.powi(halves);

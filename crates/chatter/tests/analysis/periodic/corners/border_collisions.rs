@@ -180,3 +180,18 @@ fn a_cycle_that_shrinks_to_the_corner_ends_there() {
         }
     }
 }
+
+/// A pair of multipliers that jumps across the unit circle where the slope of a root begins, as in Nordmark's map, is nowhere on it: no Neimark-Sacker
+/// point is told where the product of the two is 0.25 to one side and beyond all bounds to the other.
+#[test]
+fn no_torus_is_told_where_a_pair_jumps_across_the_circle() {
+    let text = "[parameters]\nmu = -0.05\n[flight]\nx = '0'\ny = '0'\ns = '1'\n[[event]]\nname = 'tick'\nsurface = 's - 1'\n\
+                direction = 'rising'\n\
+                reset = { x = '0.6*x + y + mu', y = '-0.25*x - if(x > 0, sqrt(abs(x)), 0)', s = '0' }\n\
+                [initial]\nx = -0.05\ny = 0.01\ns = 0\n";
+    let found = over(&with(text, &[]), "mu", (-0.3, 0.2), (8, 0.02));
+    assert!(!found[0].points.is_empty());
+    for (kind, at) in found.iter().flat_map(kinds) {
+        assert!(kind != SpecialKind::NeimarkSacker, "{at}");
+    }
+}

@@ -326,10 +326,18 @@ pub(crate) fn broken_beside(
         Broken::Early(step, guard) => grazing == Some(step) && shooting.asks(step, guard),
         _ => false,
     };
+    // What touches as well all along, as the other wall does of an orbit that is its own mirror image, does so to rounding.
+    let touches = |broken: &Broken| match *broken {
+        Broken::Inner(step, guard @ GuardKind::Gap(_)) if grazing.is_some() => {
+            smallest(&least, (step, guard), false)
+                .is_some_and(|l| l.value.abs() <= NOWHERE * l.size.abs())
+        }
+        _ => false,
+    };
     let found = broken(shooting, &least);
     Ok(found
         .into_iter()
-        .filter(|broken| !is_graze(broken))
+        .filter(|broken| !is_graze(broken) && !touches(broken))
         .collect())
 }
 
