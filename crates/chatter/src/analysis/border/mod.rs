@@ -52,7 +52,9 @@ pub use release::forcing::Turn;
 pub use spec::BorderSpec;
 
 pub(super) use coordinate::root::{Root, regular};
-pub(super) use coordinate::sequence::{GRAZE, Impact, NO_HORIZON, SHORTEST, Sequence, Until};
+pub(super) use coordinate::sequence::{
+    GRAZE, Impact, NO_HORIZON, SHORTEST, Sequence, Until, until_release,
+};
 pub(super) use normal_form::leading_order::leading_order;
 pub(super) use orbit::complete;
 pub(super) use problem::{Here, Problem};

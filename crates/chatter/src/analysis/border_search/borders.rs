@@ -238,20 +238,29 @@ impl<'a, R: Real> Search<'a, R> {
         Ok(())
     }
 
-    /// Makes a border of a root, if it is a new one.
-    pub(super) fn take(&mut self, root: &Root<'a, f64>) -> Result<(), BorderError> {
+    /// Makes a border of a root, if it is a new one; whether it lies in a bracket, and its chatter begins as early as is asked for.
+    pub(super) fn take(
+        &mut self,
+        root: &Root<'a, f64>,
+        (left, right): (f64, f64),
+    ) -> Result<bool, BorderError> {
         let (value, error) = (root.point.here.value, root.error);
+        if root.point.sequence.arrivals() > self.problem.spec.excursions {
+            return Ok(false);
+        }
+        let slack = SAME_BREAK * value.abs();
+        let is_between = left - slack <= value && value <= right + slack;
         let place = Estimate { value, error };
         let is_known = self.roots.iter().any(|known| is_same(known, &place));
         if is_known || !(self.low..=self.high).contains(&value) {
-            return Ok(());
+            return Ok(is_between);
         }
         match complete(root)? {
             Ok(border) => self.found.borders.push(border),
             Err(cause) => self.refused.push(Break { value, cause }),
         }
         self.roots.push(place);
-        Ok(())
+        Ok(is_between)
     }
 
     /// Searches those of stretches that are wanted beside what is found so far, until the observer breaks off. The error is the

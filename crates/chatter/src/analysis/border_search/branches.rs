@@ -4,7 +4,8 @@ use super::sample::Sample;
 use crate::analysis::border::{BorderError, Here, Problem, ReleasePoint};
 use crate::numerics::Rounded;
 
-/// All release points are looked for at every so manieth value; in between they are followed.
+/// All release points are looked for at every so manieth value, in between they are followed: those that orbits have to return to, which
+/// may be for a short piece, at each.
 const LOOK_EVERY: usize = 8;
 
 /// A sample at each of the values, known where its release point exists.
@@ -28,7 +29,12 @@ impl Problem {
         for (i, (point, _)) in reached {
             here.give(branches, (i, k), point);
         }
-        if !k.is_multiple_of(LOOK_EVERY) && k + 1 != values.len() {
+        let every = if self.dimensions() == 0 {
+            LOOK_EVERY
+        } else {
+            1
+        };
+        if !k.is_multiple_of(every) && k + 1 != values.len() {
             return Ok(());
         }
         for point in here.release_points()? {

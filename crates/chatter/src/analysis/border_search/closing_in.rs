@@ -87,8 +87,11 @@ impl<'a, R: Real> Search<'a, R> {
             let width = right.value - left.value;
             let within = (left.value - width, right.value + width);
             let root = (self.root_from(&left, within)).or_else(|| self.root_from(&right, within));
-            if let Some(root) = root {
-                return self.take(&root);
+            // One beyond the bracket is another one than makes the verdict change here.
+            if let Some(root) = root
+                && self.take(&root, (left.value, right.value))?
+            {
+                return Ok(());
             }
             let middle = left.value + width * 0.5;
             if middle <= left.value || middle >= right.value {

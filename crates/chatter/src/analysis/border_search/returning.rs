@@ -6,13 +6,14 @@
 
 use super::unfollowed::end_of_motion;
 use crate::analysis::border::{
-    BorderError, Here, Lack, Place, ReleasePoint, Sequence, Until, regular,
+    BorderError, Here, Lack, Place, ReleasePoint, Sequence, Until, Verdict, regular,
 };
 use crate::flow::FlowError;
 use crate::numerics::{Equations, Linearised, Matrix, Newton, NewtonError, moved};
 
-/// A trajectory passes so many chatter sequences before its release points are looked at, and then so many.
-const TRANSIENT: usize = 12;
+/// A trajectory passes so many release points at most; the orbits near so many of them are looked for: near those that it comes back to
+/// best. Where it settles these are the last ones, where it is chaotic those beside orbits that are not stable.
+const PASSED: usize = 24;
 const LOOKED_AT: usize = 3;
 
 /// Loops that close an orbit, at most; the first ones, which are followed as they come; and what one gains that is as good as
@@ -21,10 +22,17 @@ const LOOPS: usize = 24;
 const PLAIN: usize = 3;
 const GAIN: f64 = 0.05;
 
+/// Where sequences jump, what is missed jumps, too: so often it may not be the least so far where that is little, and after so many loops
+/// it must shrink.
+const STALLS: usize = 3;
+const PATIENCE: usize = 6;
+
 /// The orbit is closed if its release point returns to itself to this, relative to its size. Sequences that end in flight jump as
 /// they lose impacts: there it need not be nearer than this.
 const CLOSED: f64 = 1e-10;
-const NEARLY: f64 = 1e-2;
+const NEARLY: f64 = 1e-4;
+/// Complete chatter jumps nowhere: what is left is rounding of a long way.
+const COMPLETE: f64 = 1e-8;
 
 /// Orbits are not alone where less than this of a change of their release point does not return: differences show no less.
 const ALONE: f64 = 1e-4;
@@ -52,13 +60,10 @@ impl Here<'_, f64> {
         let starts = [next, self.solve(contact, &initial)];
         let mut found: Vec<ReleasePoint<f64>> = Vec::new();
         for start in starts.into_iter().flatten() {
-            let on = |point: &ReleasePoint<f64>| self.next(contact, &point.state);
-            let orbit = core::iter::successors(Some(start), on);
-            for point in orbit.skip(TRANSIENT).take(LOOKED_AT) {
-                let Some(point) = self
-                    .closed(point)
-                    .filter(|point| self.is_new(point, &found))
-                else {
+            for point in self.recurring(contact, start) {
+                let is_new = |point: &ReleasePoint<f64>| self.is_new(point, &found);
+                let closed = Some(point).filter(is_new).and_then(|at| self.closed(at));
+                let Some(point) = closed.filter(is_new) else {
                     continue;
                 };
                 if !self.is_alone(&point) {
@@ -68,6 +73,27 @@ impl Here<'_, f64> {
             }
         }
         Ok((found, failure))
+    }
+
+    /// Of the release points that a trajectory passes those that it comes back to best.
+    fn recurring(&self, contact: usize, start: ReleasePoint<f64>) -> Vec<ReleasePoint<f64>> {
+        let mut passed: Vec<(f64, ReleasePoint<f64>)> = Vec::new();
+        let mut point = start;
+        while passed.len() < PASSED {
+            let Some(next) = self.next(contact, &point.state) else {
+                break;
+            };
+            let (_, off) = self.apart(&point.state, &next.state);
+            passed.push((off, core::mem::replace(&mut point, next)));
+            if off <= CLOSED {
+                break;
+            }
+        }
+        // Of equals the later ones.
+        passed.reverse();
+        passed.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        let best = passed.into_iter().take(LOOKED_AT);
+        best.map(|(_, point)| point).collect()
     }
 
     /// The impacts from a state to the end of the first chatter sequence.
@@ -96,7 +122,11 @@ impl Here<'_, f64> {
 
     /// How far the coordinates of a release point are from those after a loop.
     fn missed(&self, point: &ReleasePoint<f64>) -> Option<(Vec<f64>, f64)> {
-        let next = self.next(point.contact, &point.state)?;
+        let sequence = self.sequence(point, usize::MAX).ok()?;
+        if sequence.verdict == Verdict::Elsewhere {
+            return None;
+        }
+        let next = self.after(point.contact, &sequence)?;
         let (off, _) = self.apart(&point.state, &next.state);
         let free = || point.free.iter().copied();
         let size = free().map(|i| off[i].abs() / (1.0 + point.state[i].abs()));
@@ -111,7 +141,9 @@ impl Here<'_, f64> {
         let newton = Newton {
             steps: LOOPS + 1,
             done: CLOSED,
-            settled: 0.0,
+            settled: NEARLY,
+            stalls: STALLS,
+            patience: PATIENCE,
             ..Newton::to_rounding::<f64>(0.0)
         };
         let coordinates: Vec<f64> = start.free.iter().map(|&i| start.state[i]).collect();
@@ -125,11 +157,14 @@ impl Here<'_, f64> {
         };
         let found = newton.solve(&mut loops, &coordinates);
         let (size, best) = loops.best?;
-        match found {
-            Ok(_) => Some(loops.point),
-            Err(NewtonError::Stalled { .. }) => (size <= NEARLY).then_some(best),
-            Err(_) => None,
+        if !matches!(found, Ok(_) | Err(NewtonError::Stalled { .. })) || size > NEARLY {
+            return None;
         }
+        let is_complete = || {
+            let sequence = self.sequence(&best, usize::MAX);
+            sequence.is_ok_and(|sequence| sequence.verdict == Verdict::Complete)
+        };
+        (size <= COMPLETE || !is_complete()).then_some(best)
     }
 
     /// Whether no other orbit near this one returns, too.

@@ -65,7 +65,12 @@ impl Here<'_, f64> {
     pub(crate) fn sample(&self, release: ReleasePoint<f64>) -> Sample {
         let mut sample = Sample::unknown(self.value);
         let limits = self.limits(&release);
-        let followed = limits.and_then(|limits| Ok((limits, self.sequence(&release)?)));
+        let followed = limits.and_then(|limits| {
+            Ok((
+                limits,
+                self.sequence(&release, self.problem.spec.excursions)?,
+            ))
+        });
         if let Ok((limits, sequence)) = &followed {
             sample.verdict = sequence.verdict;
             sample.settles = limits.settles(sequence);

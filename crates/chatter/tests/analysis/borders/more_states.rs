@@ -247,3 +247,39 @@ fn other_contacts_are_followed_through() {
     let first = |q: f64| comes_to_rest(&model, q, (0.0, until));
     assert!(first(value - 1e-9) && !first(value + 1e-9));
 }
+
+/// A follower on a cam whose speed is a state, or one of the parameters: then its equations are those of the first at rest.
+fn cam(states: &str, impulse: &str, initial: &str) -> Model {
+    read(&format!(
+        "[parameters]\nV = 1.2\nJ = 5.0\ng = 1.0\ns = 0.0\nr = 0.5\n\
+         [flight]\ny = \"v\"\nv = \"-g - s*y\"\n{states}\n\
+         [[contact]]\nname = \"cam\"\ngap = \"y - 1 - cos(phi)\"\nimpulse = {{ v = 1{impulse} }}\nrestitution = \"r\"\n\
+         [initial]\ny = 2.0\nv = 0.0\nphi = 0.0\n{initial}\n"
+    ))
+}
+
+/// A motor that does not feel the follower comes to rest at its speed: borders are those of the speed itself, however steep X is over
+/// what is remembered, and all borders of a range are found.
+#[test]
+fn a_motor_that_feels_nothing_moves_no_border() {
+    let three = cam("phi = \"V\"", "", "");
+    let four = cam("phi = \"w\"\nw = \"(V - w)/J\"", "", "w = 1.2");
+    for (low, high, samples, count) in [(1.318, 1.32, 4, 2), (1.345, 1.355, 5, 1)] {
+        let mut spec = BorderSpec::new("V");
+        spec.samples = samples;
+        let [of, with] =
+            [&three, &four].map(|model| borders_in::<f64>(model, &spec, low, high).unwrap());
+        assert_eq!([of.borders.len(), with.borders.len()], [count; 2], "{low}");
+        for (a, b) in of.borders.iter().zip(&with.borders) {
+            let off = (a.value.value - b.value.value).abs();
+            assert!(
+                off <= 2.0 * (a.value.error + b.value.error),
+                "{} {off}",
+                a.value.value
+            );
+            let slopes = [a, b].map(|border| border.exact.slope.value);
+            assert!((slopes[0] / slopes[1] - 1.0).abs() < 1e-9, "{slopes:?}");
+        }
+        assert_eq!(of.breaks.len(), with.breaks.len(), "{:?}", with.breaks);
+    }
+}

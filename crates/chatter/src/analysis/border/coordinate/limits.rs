@@ -271,9 +271,9 @@ impl<R: Real> Limits<R> {
     }
 
     /// A component of the place where the impacts accumulate.
-    pub(crate) fn place(&self, sequence: &Sequence<R>, i: usize) -> R {
+    pub(crate) fn place(&self, sequence: &Sequence<R>, i: usize) -> Estimate<R> {
         let place = |impact: &Impact<R>| impact.local.place[i];
-        (self.scaled_limit(sequence, R::ONE, (&[R::ONE], 1), place)).value
+        self.scaled_limit(sequence, R::ONE, (&[R::ONE], 1), place)
     }
 
     /// Its derivative along a combination of columns.

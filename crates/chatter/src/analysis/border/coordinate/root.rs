@@ -164,9 +164,10 @@ impl<'p, R: Real> Here<'p, R> {
             limits.set_noise(&sequence);
         }
         let (held_slope, held_restitution) = (release.slope.clone(), release.restitution_slope);
-        let place: Vec<R> = (0..self.problem.states())
+        let ends: Vec<Estimate<R>> = (0..self.problem.states())
             .map(|i| limits.place(&sequence, i))
             .collect();
+        let place = Estimate::values(&ends);
         let turns = self.turns(&release.state, &place);
         let free = || release.free.iter().copied();
         let returning = |weights: &Vec<R>| -> Vec<Estimate<R>> {
@@ -175,9 +176,17 @@ impl<'p, R: Real> Here<'p, R> {
                 .collect()
         };
         let turned = |i: usize| Turn::of(&turns, i);
-        let missed: Vec<R> = free()
-            .map(|i| place[i] - release.state[i] - turned(i)[0])
-            .collect();
+        // Away from the border few impacts show where they accumulate: what cannot be told from zero would lead astray by what X makes of it.
+        let vague = libm::pow(R::ROUNDOFF, VAGUE_POWER);
+        let missed = |is_told: bool| -> Vec<R> {
+            let off = |i: usize| {
+                let off = place[i] - release.state[i] - turned(i)[0];
+                let told = ends[i].error <= vague || off.abs().to_f64() > ends[i].error;
+                if told == is_told { off } else { R::ZERO }
+            };
+            free().map(off).collect()
+        };
+        let [missed, untold] = [true, false].map(missed);
         let returns: Vec<Vec<R>> = (release.directions.iter())
             .map(|direction| Estimate::values(&returning(direction)))
             .collect();
@@ -195,6 +204,8 @@ impl<'p, R: Real> Here<'p, R> {
         let settled =
             |added: &[R]| (memory.settled(added, 1.0)).ok_or_else(|| self.lacks(Lack::Alone));
         let shift = settled(&missed)?;
+        let unknown = dot(&memory.covector, &settled(&untold)?);
+        x.error = x.error.max(unknown.abs().to_f64());
         let moved = settled(&memory.by_parameter)?;
         release.follow_orbit(&moved);
         let slope = limits.x_slope(&sequence, &release.slope, release.restitution_slope);

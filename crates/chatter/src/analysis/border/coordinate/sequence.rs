@@ -108,17 +108,6 @@ impl Until {
 }
 
 impl Follower {
-    /// Where a state at rest on a contact is released; `None` if it is not, or not within so many steps.
-    pub(crate) fn contact_until_release(
-        &self,
-        parameters: &[f64],
-        (contact, rest): (usize, &[f64]),
-    ) -> Option<Vec<f64>> {
-        let system = &self.system;
-        let (mut work, mut trajectory) = system.trajectory_from(parameters, rest).ok()?;
-        until_release(system, &mut work, &mut trajectory, contact)
-    }
-
     /// Follows the impacts at a contact from a state, columns included. Whatever happens at other contacts away from chatter
     /// at this one is a part of the way.
     pub(crate) fn follow<R: Real>(
@@ -208,7 +197,7 @@ impl Follower {
 }
 
 /// Goes on until a contact is released, and says where.
-fn until_release<R: Real>(
+pub(crate) fn until_release<R: Real>(
     system: &System,
     work: &mut Workspace<R>,
     trajectory: &mut Trajectory<R>,
