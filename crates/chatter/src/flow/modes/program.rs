@@ -672,7 +672,8 @@ impl Program {
     }
 }
 
-/// What ends a mode, in the order of its guards: of what happens at one instant resets come last. All but sections that are
+/// What ends a mode, in the order of its guards: of what happens at one instant resets come last, and sections after corners, which
+/// say whether they are crossed. All but sections that are
 /// crossed either way are positive until then.
 pub(crate) fn guard_functions(
     graph: &mut Graph,
@@ -704,9 +705,9 @@ pub(crate) fn guard_functions(
         };
         (GuardKind::Section(index), crossing, surface)
     };
-    guards.extend(looks.into_iter().map(&mut crossed));
     let limits = limits.guards();
     guards.extend(limits.map(|(kind, function)| (kind, Crossing::Falling, function)));
+    guards.extend(looks.into_iter().map(&mut crossed));
     guards.extend(resets.into_iter().map(&mut crossed));
     guards
 }

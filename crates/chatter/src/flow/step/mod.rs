@@ -429,11 +429,29 @@ impl<S: Scalar> Workspace<S> {
             let noise = magnitude(p, end) * S::splat(Self::NOISE);
             let crossed = self.ends_step(index);
             certain = certain & (!met | crossed | noise.less(value.abs()));
+            if crossed.any() {
+                certain = certain & !(crossed & self.meets_corner(program, touching));
+            }
             let begins = self.sides[section];
             let ends = S::select(crossed, -begins, sign(value));
             self.sides[section] = S::select(met, ends, begins);
         }
         certain
+    }
+
+    /// Where a surface at which formulas change cannot be told from zero at the end of the step: what follows there says whether a section
+    /// is crossed.
+    #[inline(always)]
+    fn meets_corner(&self, program: &Program, touching: Touching) -> S::Mask {
+        let mut met = S::Mask::splat(false);
+        for (index, guard) in program.guards.iter().enumerate() {
+            if guard.meets_corner()
+                && let Operand::Series(slot) = guard.series
+            {
+                met = met | self.vanishes_at_end(slot, touching.get(index));
+            }
+        }
+        met
     }
 
     /// Where a gap closes at the end of the step and that of another contact cannot be told from zero there.
@@ -475,7 +493,13 @@ impl<S: Scalar> Workspace<S> {
         let (Some(_), Operand::Series(slot)) = (guard.closing(), guard.series) else {
             return S::Mask::splat(false);
         };
-        let p = &self.expansion.series(slot)[usize::from(touching.get(index))..];
+        self.vanishes_at_end(slot, touching.get(index))
+    }
+
+    /// Where a series, so many of whose roots lie at the start, cannot be told from zero at the end of the step.
+    #[inline(always)]
+    fn vanishes_at_end(&self, slot: usize, roots: u8) -> S::Mask {
+        let p = &self.expansion.series(slot)[usize::from(roots)..];
         let noise = magnitude(p, self.scaled_step) * S::splat(Self::NOISE);
         horner(p, self.scaled_step).abs().at_most(noise)
     }

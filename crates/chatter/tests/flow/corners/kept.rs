@@ -88,3 +88,26 @@ fn a_section_that_is_stuck_to_is_crossed_where_it_is_left() {
         assert_eq!(rising, expected, "{}", spellings[k]);
     }
 }
+
+/// As it is where only one is watched: then nothing else asks what happens at the end of the step.
+#[test]
+fn one_section_that_is_stuck_to_is_crossed_where_it_is_left() {
+    for (surface, direction) in [("v", "falling"), ("v", "rising"), ("3*v", "either")] {
+        let text = format!(
+            "[flight]\nx = \"v\"\nv = \"1.6*cos(0.4*t) - x - sign(v)\"\n[section.turning]\nsurface = \"{surface}\"\n\
+             direction = \"{direction}\"\n[initial]\nx = 0\nv = 0.5\n"
+        );
+        let run = run::<f64>(&text, 120.0);
+        let mut is_told = false;
+        for pair in run.events.windows(2) {
+            let crossed = matches!(pair[1].detail, Occurrence::Section { .. });
+            let left = matches!(
+                pair[0].detail,
+                Occurrence::Leave { .. } | Occurrence::Switch { .. }
+            );
+            assert!(!crossed || left, "{pair:?} {text}");
+            is_told |= crossed;
+        }
+        assert!(is_told || direction != "either", "{text}");
+    }
+}
