@@ -1,6 +1,6 @@
 //! Where a branch goes on past what its equations can say, and where it may not go on.
 
-use super::changes::graze::THERE;
+use super::changes::graze::{THERE, moved};
 use super::changes::holds::is_broken;
 use super::changes::touch::Touched;
 use super::walker::Walker;
@@ -407,7 +407,11 @@ pub(super) fn touch_between(
         least.flat_map(|(index, all)| all.into_iter().map(move |least| (index, least)));
     let at_rest = shooting.least_forces(at).unwrap_or_default();
     let all = on_the_way.chain(at_rest);
-    let inner = all.filter(|(_, least)| is_wanted(least.guard) && !least.at_end);
+    let wanted = all.filter(|(_, least)| is_wanted(least.guard));
+    let (at_ends, inner): (Vec<_>, Vec<_>) = wanted.partition(|(_, least)| least.at_end);
+    let least_at_ends =
+        (at_ends.into_iter()).min_by(|a, b| a.1.value.abs().total_cmp(&b.1.value.abs()));
+    let inner = inner.into_iter();
     let smallest = inner.min_by(|a, b| a.1.value.abs().total_cmp(&b.1.value.abs()));
     let touches = smallest.and_then(|(index, least)| {
         let longer = shooting.with_event(at, index, &least).ok()?;
@@ -430,7 +434,15 @@ pub(super) fn touch_between(
         let off = (high - low).max(touched.error);
         (low - off..=high + off).contains(&value)
     };
-    touches.into_iter().chain(turns).find(is_between)
+    // Or a corner of the field ends the way to the touch at that very instant, as that of drag which turns with the rate that vanishes.
+    let at_corners = least_at_ends.into_iter().filter_map(|(index, least)| {
+        let longer = shooting.with_event(at, index, &least).ok()?;
+        let (start, scales) = (longer.1.clone(), longer.0.scales().to_vec());
+        let touched = Touched::solve(longer).ok()?;
+        (moved(&touched.at, &start, &scales) <= THERE).then_some(touched)
+    });
+    let inside = touches.into_iter().chain(turns).chain(at_corners);
+    { inside }.find(is_between)
 }
 
 /// A state that was only guessed: out of the contacts that it penetrates, and at rest on those that are closed.

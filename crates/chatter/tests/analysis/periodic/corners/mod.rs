@@ -1,6 +1,7 @@
 //! Corners and surfaces that orbits meet, touch and slide along.
 
 mod asked;
+mod at_touches;
 mod border_collisions;
 mod corners_at_sections;
 mod edges;

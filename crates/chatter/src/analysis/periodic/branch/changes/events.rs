@@ -9,6 +9,9 @@ use crate::expressions::Side;
 use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, Least, LegKind, StretchKind};
 
+/// A least value so near to the end of a leg, in parts of its duration, is there.
+const AT_ONCE: f64 = 1e-9;
+
 impl Shooting<f64> {
     /// The same orbit with an impact of rate zero, or with a surface that is touched, where a guard has its least value on a
     /// step, and the step that it ends.
@@ -34,6 +37,11 @@ impl Shooting<f64> {
             (Passage::Leg(kind), pieces)
         };
         let index = match whole.passage {
+            Passage::Leg(_) if let Some(place) = self.corner_at_least(index, least) => {
+                let mode = steps[place].mode();
+                (steps[place].passage, steps[place].pieces) = touches(mode);
+                place
+            }
             Passage::Leg(kind) => {
                 let (passage, pieces) = touches(kind.mode);
                 let first = Step {
@@ -79,6 +87,27 @@ impl Shooting<f64> {
         };
         let (shooting, at) = self.like(steps, at)?;
         Ok((shooting, at, index))
+    }
+
+    /// The step that ends with a corner of the field at the very instant at which the force of a contact is least, as that of drag which turns where
+    /// what shakes the contact does: the force may not change places with it, so that its touch stands for the corner.
+    fn corner_at_least(&self, index: usize, least: &Least) -> Option<usize> {
+        let GuardKind::Reaction(contact) = least.guard else {
+            return None;
+        };
+        let duration = self.latest.get(index)?.duration;
+        let at_once = AT_ONCE * duration;
+        let place = match least.time {
+            time if time >= duration - at_once => index,
+            time if time <= at_once => self.before(index),
+            _ => return None,
+        };
+        let step = &self.steps[place];
+        let is_corner = step.flight().is_some_and(|kind| {
+            kind.jump == Jump::None && matches!(kind.ends_at, Some(GuardKind::Switch(_)))
+        });
+        let holds = self.closed_before(place).contains(contact) && step.closed.contains(contact);
+        (is_corner && holds).then_some(place)
     }
 
     /// Whether the impact at the end of a step takes the state off a surface that it slides along there, however weak it is: what

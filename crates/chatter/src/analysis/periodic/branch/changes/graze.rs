@@ -7,6 +7,7 @@ use crate::analysis::periodic::branch::limits::End;
 use crate::analysis::periodic::branch::walker::{Stop, Walker};
 use crate::analysis::periodic::branch::{Point, Special, SpecialKind};
 use crate::analysis::periodic::condition::Bordered;
+use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::orbit::shorter;
 use crate::analysis::periodic::shooting::{Exchanged, Shooting, station_after};
 use crate::flow::GuardKind;
@@ -127,6 +128,12 @@ impl Walker {
                 let touched = longer.map_err(|error| error.to_string());
                 let touched = touched.and_then(Touched::solve);
                 touched.and_then(|touched| self.impact_comes_in(&station, touched, &there))
+            }
+            // Of stays that vanish at once, as those of a symmetric orbit, one may be over by rounding before the other is.
+            Broken::Inner(_, guard @ GuardKind::Switch(_))
+                if let Some(first) = self.shooting.stay_over(&station.at, guard) =>
+            {
+                self.lose(&station, first, &there)
             }
             Broken::Inner(index, guard) => self.gain(&station, (index, guard), &there),
             // What it is told by is the touch of the surface that it comes back to, and not how slowly.
@@ -521,11 +528,16 @@ impl Walker {
         index: usize,
         there: &Point,
     ) -> Result<Station, String> {
-        let Some(first) = self.shooting.crossing_that_vanishes(index) else {
+        let known = match self.shooting.crossing_that_vanishes(index) {
+            Some(first) => Some((self.shooting.clone(), station.at.clone(), first)),
+            None => self.shooting.with_corner_after_stay(&station.at, index),
+        };
+        let Some((stays, at, first)) = known else {
             return self.without(&station.at, (index, None), there);
         };
-        let touching = self.shooting.without_way_back(&station.at, first);
-        let (touching, start, index) = touching.map_err(|error| error.to_string())?;
+        let told = |error: PeriodicError| error.to_string();
+        let (stays, at, first) = stays.with_one_stay((at, first)).map_err(told)?;
+        let (touching, start, index) = stays.without_way_back(&at, first).map_err(told)?;
         let before = core::mem::replace(&mut self.shooting, touching);
         let next = self.without(&start, (index, Some(first)), there);
         if next.is_err() {
@@ -596,8 +608,15 @@ impl Walker {
         let is_only = self.shooting.steps.len() == 1;
         let gap = |shooting: &mut Shooting<f64>, station: &Station| {
             let least = shooting.least(&station.at).ok()?;
-            let all =
-                (least.get(merged)?.iter()).filter(|l| Some(l.guard) == guard && l.at_end == turns);
+            // Where the way ends with a corner at that very instant, rounding says whether the least value is on the way or at its end.
+            let is_kind = |l: &&Least| match is_only {
+                true => l.at_end == turns,
+                false => l.at_end || !turns,
+            };
+            let own_guard = |l: &&Least| Some(l.guard) == guard;
+            let all = (least.get(merged)?.iter())
+                .filter(own_guard)
+                .filter(is_kind);
             let off = |l: &Least| match is_only {
                 true => l.value,
                 false => (l.time - touched_at).abs(),

@@ -4,7 +4,9 @@
 use super::events::unfollowed;
 use super::graze::{THERE, moved};
 use super::holds::is_broken;
-use crate::analysis::continuation::{Condition, NewtonError, Problem, Station, newton, tangent};
+use crate::analysis::continuation::{
+    Condition, Left, NewtonError, Problem, Station, newton, tangent,
+};
 use crate::analysis::periodic::branch::walker::Walker;
 use crate::analysis::periodic::branch::{Point, SpecialKind};
 use crate::analysis::periodic::closure::Closure;
@@ -12,7 +14,7 @@ use crate::analysis::periodic::condition::Bordered;
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step, around};
 use crate::analysis::periodic::cycle::rotate::rotate;
 use crate::analysis::periodic::error::PeriodicError;
-use crate::analysis::periodic::shooting::{Shooting, mode_there};
+use crate::analysis::periodic::shooting::{Exchanged, Shooting, mode_there};
 use crate::expressions::{Asked, Side};
 use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, Least, LegKind};
@@ -23,6 +25,9 @@ pub(in crate::analysis::periodic) const STAYS: [f64; 3] = [1e-3, 1e-4, 1e-5];
 pub(in crate::analysis::periodic) const VANISHED: f64 = 1e-6;
 /// Between a crossing and the way back no time is left: less than this part of the period.
 const NO_TIME: f64 = 1e-2;
+
+/// Stays that vanish at once are as long as each other, but for this factor.
+const TOGETHER: f64 = 2.0;
 
 /// A stay that begins where a surface is touched.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,6 +102,88 @@ impl Shooting<f64> {
         at: &[f64],
     ) -> Option<(usize, usize)> {
         self.stay_within(at, VANISHED)
+    }
+
+    /// The crossings whose way back takes no time any more but for rounding, or little more than that of one of them which is about to end.
+    fn stays_that_vanish(&self, with: Option<usize>) -> Vec<usize> {
+        let lasts = |index: usize| self.latest[self.after(index)].duration;
+        let shortest = with.map_or(0.0, |first| TOGETHER * lasts(first));
+        let is_over = |index: &usize| {
+            let most = shortest.max(VANISHED * self.period());
+            self.comes_back(*index) && lasts(*index) <= most
+        };
+        (0..self.steps.len()).filter(is_over).collect()
+    }
+
+    /// One of them, if one is of this surface.
+    pub(super) fn stay_over(&self, at: &[f64], guard: GuardKind) -> Option<usize> {
+        let (first, _) = self.stay_that_vanishes(at)?;
+        let is_of = |&index: &usize| {
+            let ends_at = self.steps[index].ends_at();
+            ends_at == Some(guard) || ends_at == guard.opposite()
+        };
+        self.stays_that_vanish(None)
+            .iter()
+            .any(is_of)
+            .then_some(first)
+    }
+
+    /// The same orbit with one of the stays that vanish at once, as those of an orbit with a symmetry do, and its crossing: where one vanishes the
+    /// equations with another are singular.
+    pub(super) fn with_one_stay(
+        self,
+        (at, first): (Vec<f64>, usize),
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let (mut shooting, mut at, mut first) = (self, at, first);
+        loop {
+            let all = shooting.stays_that_vanish(Some(first));
+            let Some(&other) = all.iter().find(|&&other| other != first) else {
+                return Ok((shooting, at, first));
+            };
+            let left = |left: Left| PeriodicError::NoConvergence {
+                how: left.to_string(),
+            };
+            let (mut touching, start, index) = shooting.without_way_back(&at, other)?;
+            touching.evaluate(&start).map_err(left)?;
+            let (mut fewer, guess, _) = touching.without_event(&start, index)?;
+            fewer.evaluate(&guess).map_err(left)?;
+            first = fewer
+                .shortest_stay()
+                .ok_or_else(|| unfollowed("the loss of all stays at once"))?;
+            (shooting, at) = (fewer, guess);
+        }
+    }
+
+    /// Where a stay whose crossing or way back is this event, or one that begins with the next, is over, but for a corner of the field between both,
+    /// as that of drag which turns with the rate that vanishes: the equations with the corner after the way back, and the crossing.
+    pub(super) fn with_corner_after_stay(
+        &self,
+        at: &[f64],
+        event: usize,
+    ) -> Option<(Self, Vec<f64>, usize)> {
+        let count = self.steps.len();
+        let first = (0..3).map(|back| around(event, -back, count));
+        first.into_iter().find_map(|first| {
+            let corner = self.after(first);
+            let back = self.after(corner);
+            let apart = [corner, back].map(|k| self.latest.get(k).map(|l| l.duration));
+            let [before, after] = apart;
+            let is_over = before? + after? < NO_TIME * self.period();
+            if count < 4
+                || !is_over
+                || !self.ends_stay(&self.steps[first], self.steps[back].ends_at())
+            {
+                return None;
+            }
+            let Exchanged {
+                shooting,
+                guess,
+                numbers,
+                ..
+            } = self.exchanged(at, back).ok()?;
+            let first = *numbers.get(first)?;
+            (shooting.comes_back(first)).then_some((shooting, guess, first))
+        })
     }
 
     /// The same orbit that only touches where it crosses at the end of a step and comes back, and the step that ends there.
