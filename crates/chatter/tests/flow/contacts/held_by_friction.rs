@@ -1,6 +1,7 @@
 //! What rests on a contact while something else slides or comes to rest on it by dry friction stays there.
 
-use chatter::analysis::simulate::{Outcome, Simulation, Spec, simulate};
+use chatter::analysis::simulate::{EventKind, Outcome, Simulation, Spec, simulate};
+use chatter::flow::Occurrence;
 use chatter::model::Model;
 use std::ops::ControlFlow;
 
@@ -141,6 +142,89 @@ fn what_sticks_lets_go_where_its_force_jumps() {
             let since = 1.9 - t;
             assert!((run.state[0] - 0.4 * since * since).abs() < 1e-15);
             assert!((run.state[1] - 0.8 * since).abs() < 1e-15);
+        }
+    }
+}
+
+/// A crate is driven to and fro on another one that friction holds on a shaking floor, in states of some unit. It slips when its force
+/// first exceeds the friction that its weight allows, and the one below never does: its own friction would hold fifteen times that.
+#[test]
+fn a_crate_slips_on_another_one_that_the_floor_holds() {
+    let friction = |t: f64| 0.3 * 0.8 * (1.6 - 1.25 * libm::sin(2.5 * t));
+    let (slip, stick) = ((EventKind::Slip, 1), (EventKind::Stick, 1));
+    for k in 0..12 {
+        let force = 0.2 + 0.02 * f64::from(k);
+        let excess = |t: f64| (force * libm::cos(1.909 * t) - 0.09).abs() - friction(t);
+        let (mut low, mut high) = (0.0, 0.0);
+        while excess(high) < 0.0 {
+            (low, high) = (high, high + 1e-3);
+        }
+        for _ in 0..50 {
+            let middle = 0.5 * (low + high);
+            *(if excess(middle) < 0.0 {
+                &mut low
+            } else {
+                &mut high
+            }) = middle;
+        }
+        let mut runs = Vec::new();
+        for [lower, upper] in [[1.0, 1.0], [0.37, 811.0], [1.0 / 7.0, 3.7]] {
+            let text = format!(
+                r#"
+                [flight]
+                x = "{lower}*u"
+                y = "v"
+                X = "{upper}*U"
+                Y = "V"
+                u = "0.304/1.93/{lower}"
+                v = -1.6
+                U = "({force}*cos(1.909*t) - 0.9*X)/0.8/{upper}"
+                V = -1.6
+                [[contact]]
+                name = "floor"
+                gap = "y - 0.2*sin(2.5*t)"
+                impulse = {{ v = "1/1.93" }}
+                restitution = 0.3
+                friction = {{ coefficient = 0.5, along = {{ u = "1/1.93/{lower}" }}, rate = "{lower}*u" }}
+                [[contact]]
+                name = "crates"
+                gap = "Y - y - 0.1"
+                impulse = {{ v = "-1/1.93", V = "1/0.8" }}
+                restitution = 0.6
+                friction = {{ coefficient = 0.3, along = {{ u = "-1/1.93/{lower}", U = "1/0.8/{upper}" }}, rate = "{upper}*U - {lower}*u" }}
+                [initial]
+                x = 0
+                y = 0
+                X = 0.1
+                Y = 0.1
+                u = 0
+                v = 0.5
+                U = 0
+                V = 0.5
+                "#
+            );
+            let run = run(&text, 4.0);
+            assert_eq!(run.outcome, Outcome::Horizon, "{force} {lower}");
+            let told = run.events.iter().filter_map(|event| match event.detail {
+                Occurrence::Slip { contact, .. } => Some((EventKind::Slip, contact, event.time)),
+                Occurrence::Stick { contact } => Some((EventKind::Stick, contact, event.time)),
+                _ => None,
+            });
+            let told: Vec<_> = told.collect();
+            for (place, &(kind, contact, _)) in told.iter().enumerate() {
+                let expected = if place % 2 == 0 { slip } else { stick };
+                assert_eq!((kind, contact), expected, "{force} {lower} {told:?}");
+            }
+            assert!((told[0].2 - low).abs() < 1e-10, "{force} {lower}: {low}");
+            let held = run.state[0].abs().max(run.state[4].abs());
+            assert!(held < 1e-15, "{force} {lower}: {held}");
+            runs.push((told, [run.state[2], run.state[6] * upper]));
+        }
+        let (times, end) = &runs[0];
+        for (other, its_end) in &runs {
+            let gaps = times.iter().zip(other).map(|(a, b)| (a.2 - b.2).abs());
+            assert!(times.len() == other.len() && gaps.fold(0.0, f64::max) < 1e-9);
+            assert!((end[0] - its_end[0]).abs() + (end[1] - its_end[1]).abs() < 1e-9);
         }
     }
 }

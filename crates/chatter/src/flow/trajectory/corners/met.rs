@@ -29,13 +29,7 @@ impl<R: Real> Trajectory<R> {
             self.tops.interrupt();
         }
         self.flight_time = R::splat(FOREVER);
-        self.burst += 1;
-        if self.burst > MOST_SWITCHES {
-            return Err(FlowError::SwitchesWithoutEnd {
-                time: self.time.to_f64(),
-                count: self.burst,
-            });
-        }
+        self.count_switch()?;
         self.note_kink(system, corner)?;
         // Sliding ends where its field is that of the side it ends to: columns go on as they are.
         let shifts = if jumps {
@@ -56,6 +50,18 @@ impl<R: Real> Trajectory<R> {
         }
         self.keep_contacts(system, work, &shifts)?;
         Ok(self.pending.pop_front())
+    }
+
+    /// What changes the mode without time passing comes to an end.
+    pub(in crate::flow::trajectory) fn count_switch(&mut self) -> Result<(), FlowError> {
+        self.burst += 1;
+        match self.burst > MOST_SWITCHES {
+            true => Err(FlowError::SwitchesWithoutEnd {
+                time: self.time.to_f64(),
+                count: self.burst,
+            }),
+            false => Ok(()),
+        }
     }
 
     /// The surfaces that vanish with the one that is met, as closed contacts keep their rates the same: what rounding has left of each
@@ -200,6 +206,10 @@ impl<R: Real> Trajectory<R> {
             free.value > free.level()
         };
         if self.grip().carrying() == Closed::NONE && !self.closed.contacts().any(parts) {
+            return Ok(());
+        }
+        // Sides were asked for with all of them: where they push it is decided.
+        if self.grip().carrying() == self.closed && self.contacts_stay(system)[1] {
             return Ok(());
         }
         let mut members = self.closed.contacts();

@@ -142,7 +142,12 @@ impl<R: Real> Trajectory<R> {
         work: &mut Workspace<R>,
         all: Closed,
     ) -> Result<(), FlowError> {
-        self.project(system, all)?;
+        // Impulses that make rates zero move by rounding what sticks: the state is on what has been closed already, and what sticks is
+        // put back.
+        if self.closed.0 != all.0 {
+            self.project(system, all)?;
+            self.stay_on_surfaces(system)?;
+        }
         if system.corners().is_empty() {
             return self.settle_together(system, work, all);
         }
@@ -475,6 +480,7 @@ impl<R: Real> Trajectory<R> {
         if self.regime != before && !self.opens_apart(system, released)? {
             self.bring_to_rest(system, work, released)?;
             if self.closed.contains(contact) {
+                self.count_switch()?;
                 (self.pending).retain(
                     |told| !matches!(told, Occurrence::Capture { contact: c } if *c == contact),
                 );
