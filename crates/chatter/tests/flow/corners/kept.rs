@@ -80,12 +80,12 @@ fn a_section_that_is_stuck_to_is_crossed_where_it_is_left() {
         either.iter().all(|time| left.contains(time)),
         "{either:?}, left at {left:?}"
     );
-    for k in 0..spellings.len() {
+    for (k, spelling) in spellings.iter().enumerate() {
         let [rising, falling, both] = [0, 1, 2].map(|way| crossed(3 * k + way));
-        assert_eq!(both, either, "{}", spellings[k]);
-        assert_eq!(rising.len() + falling.len(), both.len(), "{}", spellings[k]);
+        assert_eq!(both, either, "{spelling}");
+        assert_eq!(rising.len() + falling.len(), both.len(), "{spelling}");
         let expected = if k == 3 { crossed(1) } else { crossed(0) };
-        assert_eq!(rising, expected, "{}", spellings[k]);
+        assert_eq!(rising, expected, "{spelling}");
     }
 }
 
