@@ -335,6 +335,7 @@ fn arcs() -> Vec<Branch> {
 }
 
 #[test]
+#[ignore = "takes half a minute"]
 fn arcs_of_the_valve_and_their_curves_in_two_parameters() {
     let found = arcs();
     for (kinds, at, impacts, period) in [

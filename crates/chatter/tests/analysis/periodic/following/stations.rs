@@ -267,6 +267,7 @@ fn a_curve_of_doublings_has_none_without() {
 /// a finite distance tell it to 1e-4 only, since the orbit is next to a touch. (Found as well by Newton's method on the map of two periods of an
 /// integration of its own, DOP853 between switches, at distances that are halved.)
 #[test]
+#[ignore = "takes half a minute"]
 fn generalised_doublings_depend_on_no_step() {
     let blocks = with(
         BLOCKS,
