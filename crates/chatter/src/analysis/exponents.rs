@@ -75,7 +75,8 @@ pub fn exponents(
     let system = System::with_columns(model, &columns).map_err(PeriodicError::System)?;
     let parameters = model.parameter_values::<f64>(&[]);
     let initial = model.initial_state(&parameters);
-    let mut frame: Vec<Vec<f64>> = moving.iter().map(|&i| unit(n, i)).collect();
+    let of_one_state_each = || -> Vec<Vec<f64>> { moving.iter().map(|&i| unit(n, i)).collect() };
+    let mut frame = of_one_state_each();
     let start = [initial, frame.concat()].concat();
     let (mut work, mut trajectory) =
         (system.trajectory_from(&parameters, &start)).map_err(PeriodicError::Start)?;
@@ -117,7 +118,7 @@ pub fn exponents(
             let is_over = told == Some(Occurrence::Horizon);
             if why_none.is_some() {
                 if is_over {
-                    begin_again(&mut frame, &moving);
+                    frame = of_one_state_each();
                     trajectory.drop_ties();
                     break;
                 }
@@ -164,13 +165,6 @@ pub fn exponents(
         return Err(PeriodicError::Interrupted);
     }
     Ok(averaged(&growth, spec.interval))
-}
-
-/// Takes displacements of one state each.
-fn begin_again(frame: &mut [Vec<f64>], moving: &[usize]) {
-    for (displacement, &i) in frame.iter_mut().zip(moving) {
-        *displacement = unit(displacement.len(), i);
-    }
 }
 
 fn no_derivative(model: &Model, why: NoDerivative) -> PeriodicError {
