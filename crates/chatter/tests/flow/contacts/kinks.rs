@@ -71,3 +71,28 @@ fn rest_on_a_kink_of_one_gap_is_refused_whether_come_to_or_begun_on() {
         assert!(matches!(refused, Err(SimulateError::Start(ref error)) if on_kink(error)));
     }
 }
+
+/// A ball that falls onto a plate without thickness, whose gap is how far it is from it on either side.
+#[test]
+fn what_chatters_to_rest_on_a_kink_does_not_go_on_beyond_it() {
+    for (long, short) in UNITS {
+        for (factor, place) in [(1.0, 0.0), (2.0, 0.0), (1.0, 0.3)] {
+            let text = format!(
+                "[flight]\nx = \"v\"\nv = \"-{:?}\"\n[initial]\nx = {:?}\nv = 0\n[[contact]]\nname = \"plate\"\n\
+                 gap = \"{factor:?}*abs(x - {:?})\"\nimpulse = {{ v = 1 }}\nrestitution = 0.5\n",
+                long / (short * short),
+                (place + 1.0) * long,
+                place * long,
+            );
+            let run = run(&text, 10.0 * short).expect("a legal start");
+            let Outcome::Failed(FlowError::RestsOnKink {
+                time, contact: 0, ..
+            }) = run.outcome
+            else {
+                panic!("{:?} {text}", run.outcome);
+            };
+            // Falls and flights last sqrt(2)(1 + 2 (1/2 + 1/4 + ...)).
+            assert!((time / short - f64::sqrt(18.0)).abs() < 1e-13, "{time} {text}");
+        }
+    }
+}

@@ -192,6 +192,12 @@ impl<R: Real> Trajectory<R> {
             }
         };
         let verdict = verdicts.swap_remove(place);
+        if system.gaps_have_corners()
+            && self.try_sides(system, now)?
+            && let Some(refused) = self.leaves_kink(system, (now, &verdict.candidate))?
+        {
+            return Err(refused);
+        }
         self.try_sides(system, &verdict.candidate)?;
         for (kind, roots) in verdict.roots {
             self.touch(system, kind, roots);

@@ -1,12 +1,12 @@
 //! Kinks of gaps, as the bottom of a valley `y - abs(x)`: where a contact would come to rest on one it is held from both sides, and that is
 //! two contacts.
 
-use super::Corner;
+use super::{Candidate, Corner};
 use crate::flow::error::FlowError;
 use crate::flow::system::System;
 use crate::flow::trajectory::Trajectory;
 use crate::flow::trajectory::start::slack;
-use crate::numerics::Real;
+use crate::numerics::{Real, WithTerms};
 
 /// More crossings than so many with no more than so many instants between them do not come to an end: what bounces in a valley comes to
 /// its bottom by infinitely many, ever sooner, and rounding goes on with them there.
@@ -64,6 +64,38 @@ impl<R: Real> Trajectory<R> {
             let contact = system.kinks_of(surface).contacts().find(is_touched)?;
             Some(self.held_from_both_sides(system, (contact, surface)))
         })
+    }
+
+    /// That what has come to rest on a kink of its gap would go on beyond it, as if nothing had held it: which of its sides holds it there is
+    /// for two contacts to say. Asked in the mode that it has come in.
+    pub(super) fn leaves_kink(
+        &self,
+        system: &System,
+        (before, after): (&Candidate, &Candidate),
+    ) -> Result<Option<FlowError>, FlowError> {
+        let rests = |[value, rate]: [&WithTerms<R>; 2]| {
+            value.value.abs() <= value.level() && rate.value.abs() <= rate.level()
+        };
+        for standing in self.standings(system)? {
+            let (Corner::Surface(surface), [(_, [value, rate, ..])]) =
+                (standing.corner, &standing.guards[..])
+            else {
+                continue;
+            };
+            if before.side(surface) == after.side(surface) || !rests([value, rate]) {
+                continue;
+            }
+            for contact in system.kinks_of(surface).contacts() {
+                let [gap, rate, acceleration] = self.local_up_to(system, contact)?;
+                let presses = acceleration.value < -acceleration.level();
+                if !self.closed.contains(contact) && rests([&gap, &rate]) && presses {
+                    return Ok(Some(
+                        self.held_from_both_sides(system, (contact, surface)),
+                    ));
+                }
+            }
+        }
+        Ok(None)
     }
 
     fn held_from_both_sides(
