@@ -167,8 +167,8 @@ fn a_line_in_front_of_the_valve_moves_its_border() {
     );
     let prediction = Prediction::exact(&border).unwrap();
     let simulator = Simulator::new(&model, &spec, &border).unwrap();
-    let windows = simulator.compare(&prediction, 20, 40);
-    assert_eq!(windows.len(), 21);
+    let windows = simulator.compare(&prediction, 30, 40);
+    assert_eq!(windows.len(), 11);
     approach_the_prediction(&windows, value);
 }
 

@@ -92,7 +92,10 @@ fn what_chatters_to_rest_on_a_kink_does_not_go_on_beyond_it() {
                 panic!("{:?} {text}", run.outcome);
             };
             // Falls and flights last sqrt(2)(1 + 2 (1/2 + 1/4 + ...)).
-            assert!((time / short - f64::sqrt(18.0)).abs() < 1e-13, "{time} {text}");
+            assert!(
+                (time / short - f64::sqrt(18.0)).abs() < 1e-13,
+                "{time} {text}"
+            );
         }
     }
 }

@@ -89,9 +89,7 @@ impl<R: Real> Trajectory<R> {
                 let [gap, rate, acceleration] = self.local_up_to(system, contact)?;
                 let presses = acceleration.value < -acceleration.level();
                 if !self.closed.contains(contact) && rests([&gap, &rate]) && presses {
-                    return Ok(Some(
-                        self.held_from_both_sides(system, (contact, surface)),
-                    ));
+                    return Ok(Some(self.held_from_both_sides(system, (contact, surface))));
                 }
             }
         }

@@ -25,8 +25,14 @@ fn branches_end_where_the_equations_do() {
         "sqrt(2.25 - (x/L)^2)",
         "level(1000*x/L)",
     ];
-    for flow in flows {
-        for length in [1e-3, 1.0, 1e3] {
+    for (place, flow) in flows.into_iter().enumerate() {
+        // A unit of length is no matter of what ends: one flow is asked in three.
+        let lengths: &[f64] = if place == 0 {
+            &[1e-3, 1.0, 1e3]
+        } else {
+            &[1.0]
+        };
+        for &length in lengths {
             let model = with(&opening(flow, length), &[]);
             let range = (0.1 * length, 2.0 * length);
             let found = over(&model, "F", range, (8, 0.05)).swap_remove(0);
