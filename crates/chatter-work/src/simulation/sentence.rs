@@ -101,6 +101,7 @@ pub fn sentence(error: &FlowError, model: &Model) -> String {
         | FlowError::ImpactsWithoutEnd { .. }
         | FlowError::NotUnique { .. }
         | FlowError::NoMode { .. }
+        | FlowError::HeldAtLookup { .. }
         | FlowError::OutsideTable { .. }
         | FlowError::SwitchesWithoutEnd { .. } => error.to_string(),
     }

@@ -84,6 +84,13 @@ pub enum FlowError {
         /// The surfaces, as formulas.
         surfaces: Vec<String>,
     },
+    /// The motion is led back to a jump of what is looked up from both sides: such jumps are passed, not slid along.
+    HeldAtLookup {
+        /// Time of the event.
+        time: f64,
+        /// What is looked up, as a formula.
+        argument: String,
+    },
     /// A contact comes to rest on a kink of its gap, where it is held from both sides: that is two contacts.
     RestsOnKink {
         /// Time of it.
@@ -148,6 +155,7 @@ impl FlowError {
             Self::TooManySurfaces { .. } => "too_many_surfaces",
             Self::NotUnique { .. } => "not_unique",
             Self::NoMode { .. } => "no_mode",
+            Self::HeldAtLookup { .. } => "held_at_lookup",
             Self::RestsOnKink { .. } => "rests_on_kink",
             Self::OutsideTable { .. } => "outside_table",
             Self::SwitchesWithoutEnd { .. } => "switches_without_end",
@@ -213,6 +221,11 @@ impl fmt::Display for FlowError {
                 out,
                 "at time {time} the equations do not say how the motion goes on from {}",
                 surfaces.join(", ")
+            ),
+            Self::HeldAtLookup { time, argument } => write!(
+                out,
+                "at time {time} the motion is held at a jump of `floor`, `mod` or a table, whose argument is {argument}: such jumps are \
+                 only passed; written with `if` or `step` they are slid along"
             ),
             Self::RestsOnKink {
                 time,

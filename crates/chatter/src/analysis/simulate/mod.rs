@@ -153,7 +153,7 @@ pub fn simulate_into<R: Real>(
     check_restitution(model, &parameters, &state, start)?;
     let mut trajectory = Trajectory::start(&system, &mut work, &parameters, start, &state)
         .map_err(SimulateError::Start)?;
-    let mut recorder = Recorder::new(&spec.sampling, (&system, &trajectory));
+    let mut recorder = Recorder::new(&spec.sampling, &state, (&system, &trajectory));
     let begun = recorder.follow_phases(&trajectory, sink);
     let stops_at_rest = spec.stops.contains(&Stop::Rest) && model.time.is_none();
     let mut steps: u64 = 0;

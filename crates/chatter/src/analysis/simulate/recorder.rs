@@ -25,6 +25,7 @@ pub(super) struct Recorder<R> {
 impl<R: Real> Recorder<R> {
     pub(super) fn new(
         sampling: &[Sampling],
+        initial: &[R],
         (system, trajectory): (&System, &Trajectory<R>),
     ) -> Self {
         Self {
@@ -32,11 +33,7 @@ impl<R: Real> Recorder<R> {
             latest: None,
             open: Vec::new(),
             phases: 0,
-            start: (
-                trajectory.time(),
-                trajectory.state().to_vec(),
-                trajectory.held(system),
-            ),
+            start: (trajectory.time(), initial.to_vec(), trajectory.held(system)),
             before: (trajectory.time(), Closed::NONE),
             in_flight: false,
             samplers: (sampling.iter())

@@ -284,3 +284,37 @@ fn what_a_table_of_steps_drives_rests_at_its_jump() {
     assert_eq!(rests.outcome, Outcome::Horizon);
     assert_eq!(rests.state[..2], [0.0, 0.0]);
 }
+
+/// A damper in steps of its speed: where both sides lead back to a jump it would stay there, whatever the steps are written with.
+#[test]
+fn a_jump_of_what_is_looked_up_that_holds_the_motion_is_named() {
+    let places: Vec<String> = (-10..=10).map(|k| k.to_string()).collect();
+    let stairs = format!(
+        "[table.K]\nx = [{0}]\ny = [{0}]\nkind = \"steps\"\n",
+        places.join(", ")
+    );
+    let simulated = |tables: &str, force: &str| {
+        let text = format!(
+            "{tables}[flight]\nx = \"v\"\nv = \"-x - {force}\"\n[initial]\nx = 2\nv = 1.5\n"
+        );
+        run::<f64>(&text, 20.0)
+    };
+    let by_steps = simulated(
+        "",
+        "(step(v - 1) + step(v) + step(v + 1) + step(v + 2) - 3)",
+    );
+    let slide = (by_steps.events.iter()).find(|event| event.kind == EventKind::Slide);
+    let slide = slide.expect("it slides").time;
+    for (tables, force) in [
+        ("", "floor(v)"),
+        ("", "(v - mod(v, 1))"),
+        (&stairs[..], "K(v)"),
+    ] {
+        let run = simulated(tables, force);
+        let Outcome::Failed(FlowError::HeldAtLookup { time, argument }) = run.outcome else {
+            panic!("{force}: {:?}", run.outcome);
+        };
+        assert_eq!(argument, "v");
+        assert!((time - slide).abs() < 1e-13, "{force}: {time} {slide}");
+    }
+}

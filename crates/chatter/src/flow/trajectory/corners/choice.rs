@@ -506,6 +506,13 @@ impl<R: Real> Trajectory<R> {
     }
 
     fn no_mode(&self, system: &System, touched: &[Corner]) -> FlowError {
+        let is_lookup = |corner: &&Corner| matches!(corner, Corner::Lookup(_));
+        if let Some(&lookup) = touched.iter().find(is_lookup) {
+            return FlowError::HeldAtLookup {
+                time: self.time.to_f64(),
+                argument: system.corner_name(lookup),
+            };
+        }
         FlowError::NoMode {
             time: self.time.to_f64(),
             surfaces: names(system, touched),
