@@ -299,3 +299,23 @@ impl fmt::Display for Named<'_> {
 }
 
 impl std::error::Error for FlowError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contacts_have_the_names_of_the_model() {
+        let error = FlowError::Penetrates {
+            contact: 0,
+            gap: -2.571737941372e-22,
+        };
+        let told = "its gap is -2.6e-22, and a gap must not be negative";
+        let numbered = format!("the initial state lies inside contact 1: {told}");
+        assert_eq!(error.to_string(), numbered);
+        let text = "[flight]\ny = \"v\"\nv = \"-1\"\n[[contact]]\nname = \"floor\"\ngap = \"y\"\nimpulse = { v = 1 }\nrestitution = 0.5\n[initial]\ny = 1\nv = 0\n";
+        let model = Model::from_toml(text, "ball").unwrap();
+        let named = format!("the initial state lies inside contact `floor`: {told}");
+        assert_eq!(error.named(&model).to_string(), named);
+    }
+}
