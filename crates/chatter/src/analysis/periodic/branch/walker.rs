@@ -422,7 +422,7 @@ impl Walker {
     fn stay_ends(&mut self, index: usize, curve: &mut Curve, here: &mut Point) -> bool {
         let (station, told) = (curve.station.clone(), self.special.len());
         self.settle(&station);
-        let forward = self.heading(&station);
+        let forward = self.heading_known(&station);
         let outcome = self.lose(&station, index, &here.clone());
         let ends = matches!(self.goes_on(outcome, (curve, forward), here), Stop::On);
         if !ends {
@@ -439,10 +439,16 @@ impl Walker {
 
     /// Where the parameter goes at a station: where it all but stands still, as where a stay comes to its end, as the points before say.
     pub(super) fn heading(&self, station: &Station) -> f64 {
+        self.heading_known(station)
+            .unwrap_or(station.parameter_slope())
+    }
+
+    /// The same, if it goes anywhere: all orbits of a family may have one value of it.
+    pub(super) fn heading_known(&self, station: &Station) -> Option<f64> {
         let value = station.parameter();
         let scale = self.shooting.scales().last().copied().unwrap_or(1.0);
         if !self.stands_still(station) {
-            return station.parameter_slope();
+            return Some(station.parameter_slope());
         }
         let turns = |special: &&Special| {
             special.kind == SpecialKind::Fold || special.persists == Some(false)
@@ -453,7 +459,7 @@ impl Walker {
             .min(self.points.len());
         let mut before = self.points[since..].iter().rev();
         let known = before.find(|point| (value - point.parameter()).abs() > HEADED * scale);
-        known.map_or(station.parameter_slope(), |point| value - point.parameter())
+        known.map(|point| value - point.parameter())
     }
 
     /// From a station to where, on the way to the next, the parameter leaves its range.
