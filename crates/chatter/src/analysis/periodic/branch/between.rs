@@ -42,7 +42,7 @@ impl Passed {
 /// The relative error of a place that only stations were compared for.
 const UNREFINED: f64 = 1e-11;
 /// A direction has no more than this part of the parameter where that stands still.
-const STANDS: f64 = 1e-12;
+pub(super) const STANDS: f64 = 1e-12;
 /// What vanishes is below this part of what it was to both sides.
 const VANISHES: f64 = 1e-4;
 

@@ -371,6 +371,7 @@ pub(in crate::analysis::periodic) fn beside(
         limits: *limits,
         points: Vec::new(),
         special: Vec::new(),
+        began: f64::NAN,
     };
     let mut over = Station {
         at: seed.at.clone(),

@@ -413,9 +413,13 @@ impl Walker {
     ) -> Stop {
         match outcome {
             Ok(next) => {
+                // The shortest way that tells: a longer one may pass a fold.
+                let steps = [curve.step, self.limits.longest_step].map(|step| CAREFUL * step);
                 let onward = match self.is_flat(&next) {
-                    true => (next.ahead(&mut self.shooting, CAREFUL * curve.step))
-                        .map_or(forward, |(ahead, _)| gone((&next, &ahead))),
+                    true => steps.into_iter().find_map(|step| {
+                        (next.ahead(&mut self.shooting, step))
+                            .map_or(forward, |(ahead, _)| gone((&next, &ahead)))
+                    }),
                     false => Some(next.parameter_slope()),
                 };
                 let both = forward.zip(onward);
