@@ -1,6 +1,7 @@
 //! Why a trajectory cannot go on.
 
 use crate::expressions::Singularity;
+use crate::model::Model;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
@@ -165,8 +166,13 @@ impl FlowError {
     }
 }
 
-impl fmt::Display for FlowError {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl FlowError {
+    /// The same with the names that a model gives its contacts.
+    pub fn named<'a>(&'a self, model: &'a Model) -> impl fmt::Display + 'a {
+        Named { error: self, model }
+    }
+
+    fn write(&self, out: &mut fmt::Formatter<'_>, name: &dyn Fn(usize) -> String) -> fmt::Result {
         match self {
             Self::LeftDomain { time, state } => write!(
                 out,
@@ -181,23 +187,28 @@ impl fmt::Display for FlowError {
             }
             Self::Penetrates { contact, gap } => write!(
                 out,
-                "the initial state lies inside contact {}: its gap is {gap}, and a gap must not be negative",
-                contact + 1
+                "the initial state lies inside {}: its gap is {gap:.1e}, and a gap must not be negative",
+                name(*contact)
             ),
             Self::JumpsInside { time, contact, gap } => write!(
                 out,
-                "at time {time} the gap of contact {} jumps to {gap}: a gap must not be negative",
-                contact + 1
+                "at time {time} the gap of {} jumps to {gap:.1e}: a gap must not be negative",
+                name(*contact)
             ),
             Self::DependentContacts { time, contacts } => write!(
                 out,
-                "at time {time} contacts {contacts:?} close together, but their constraint forces are not independent"
+                "at time {time} {} close together, but their constraint forces are not independent",
+                contacts
+                    .iter()
+                    .map(|&contact| name(contact))
+                    .collect::<Vec<_>>()
+                    .join(" and ")
             ),
             Self::UndecidedRelease { time, contact } => write!(
                 out,
-                "at time {time} contact {} is at rest with zero acceleration and jerk: the equations do not decide \
+                "at time {time} {} is at rest with zero acceleration and jerk: the equations do not decide \
                  whether it opens",
-                contact + 1
+                name(*contact)
             ),
             Self::TooManySurfaces { count, limit } => write!(
                 out,
@@ -209,8 +220,8 @@ impl fmt::Display for FlowError {
                 value,
             } => write!(
                 out,
-                "at time {time} contact {} has restitution {value}, outside [0, 1]",
-                contact + 1
+                "at time {time} {} has restitution {value}, outside [0, 1]",
+                name(*contact)
             ),
             Self::NotUnique { time, surfaces } => write!(
                 out,
@@ -233,9 +244,9 @@ impl fmt::Display for FlowError {
                 surface,
             } => write!(
                 out,
-                "at time {time} contact {} comes to rest on a kink of its gap, {surface} = 0, where it is held from both sides: \
+                "at time {time} {} comes to rest on a kink of its gap, {surface} = 0, where it is held from both sides: \
                  write it as two contacts, each with the gap of one side",
-                contact + 1
+                name(*contact)
             ),
             Self::OutsideTable {
                 time,
@@ -256,15 +267,15 @@ impl fmt::Display for FlowError {
             ),
             Self::Jammed { time, contact } => write!(
                 out,
-                "at time {time} friction jams contact {}: the contact force cannot hold it, so that there is no motion \
+                "at time {time} friction jams {}: the contact force cannot hold it, so that there is no motion \
                  or there are several (Painlevé)",
-                contact + 1
+                name(*contact)
             ),
             Self::ResetsWithoutEnd { time, contact } => write!(
                 out,
-                "at time {time} impacts follow each other ever faster at contact {}, and its `reset` changes the state however \
+                "at time {time} impacts follow each other ever faster at {}, and its `reset` changes the state however \
                  small their rates are: it does not say what they come to",
-                contact + 1
+                name(*contact)
             ),
             Self::ImpactsWithoutEnd { time, count } => write!(
                 out,
@@ -274,4 +285,50 @@ impl fmt::Display for FlowError {
     }
 }
 
+impl fmt::Display for FlowError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.write(out, &numbered)
+    }
+}
+
+fn numbered(contact: usize) -> String {
+    format!("contact {}", contact + 1)
+}
+
+struct Named<'a> {
+    error: &'a FlowError,
+    model: &'a Model,
+}
+
+impl fmt::Display for Named<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let contacts = &self.model.contacts;
+        self.error
+            .write(out, &|contact| match contacts.get(contact) {
+                Some(known) => format!("contact `{}`", known.name),
+                None => numbered(contact),
+            })
+    }
+}
+
 impl std::error::Error for FlowError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contacts_have_the_names_of_the_model() {
+        let error = FlowError::Penetrates {
+            contact: 0,
+            gap: -2.571737941372e-22,
+        };
+        let told = "its gap is -2.6e-22, and a gap must not be negative";
+        let numbered = format!("the initial state lies inside contact 1: {told}");
+        assert_eq!(error.to_string(), numbered);
+        let text = "[flight]\ny = \"v\"\nv = \"-1\"\n[[contact]]\nname = \"floor\"\ngap = \"y\"\nimpulse = { v = 1 }\nrestitution = 0.5\n[initial]\ny = 1\nv = 0\n";
+        let model = Model::from_toml(text, "ball").unwrap();
+        let named = format!("the initial state lies inside contact `floor`: {told}");
+        assert_eq!(error.named(&model).to_string(), named);
+    }
+}

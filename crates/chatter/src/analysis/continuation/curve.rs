@@ -67,6 +67,9 @@ const LEAST_COSINE: f64 = 0.94;
 const MOST_ASKEW: f64 = 0.1;
 const NEXT_DOOR: f64 = 1e-4;
 
+/// The parameter stands still along a direction that has no more than this part of it.
+const STANDS: f64 = 1e-9;
+
 /// The tangent from the factors of equations bordered by a row that is not orthogonal to it.
 fn along<R: Real>(factors: &Factored<R>, scales: &[f64]) -> Option<Vec<R>> {
     let size = scales.len();
@@ -136,6 +139,26 @@ impl<R: Real> Station<R> {
             residual: found.residual,
             correction: found.correction,
         })
+    }
+
+    /// A point of the curve near `start`, with the same parameter unless that all but stands still along it, as in a family of orbits at one
+    /// value: then with the same value of the unknown that changes most.
+    ///
+    /// # Errors
+    /// There is none nearby.
+    pub fn beside(problem: &mut dyn Problem<R>, start: &[R]) -> Result<Self, NewtonError> {
+        let size = start.len();
+        let scales = problem.scales().to_vec();
+        // Where the equations are singular with the parameter held the direction is what they take to zero, only the longer.
+        let along = tangent(problem, start, &unit(size, size - 1))?;
+        let measured = |k: usize| (along[k].to_f64() / scales[k]).abs();
+        let fixed = match measured(size - 1) > STANDS {
+            true => size - 1,
+            false => (0..size)
+                .max_by(|&a, &b| measured(a).total_cmp(&measured(b)))
+                .unwrap_or(size - 1),
+        };
+        Self::near(problem, start, fixed)
     }
 
     /// The point of the curve so far along this station's tangent.

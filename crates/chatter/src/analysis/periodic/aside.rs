@@ -95,7 +95,9 @@ const ROUNDOFFS: f64 = 128.0;
 const ROUNDOFFS_LONG: f64 = 65536.0;
 /// Extrapolation may be off by so many times what is between the two that it begins from: were what the three distances tell an error of
 /// the place alone, which grows by a factor of four from each to the next in parts of their squares, it would be less than that.
-const EXTRAPOLATED: f64 = 2.0;
+const EXTRAPOLATED: f64 = 8.0;
+/// Where no further order is left they differ by errors of the place alone, and as they come these may all but agree.
+const EXTRAPOLATED_LONG: f64 = 64.0;
 
 /// How far the parameters of the orbits beside a singular one lie along a row, at the parameters that hold the other rows: in parts of
 /// the square of how far aside they are, positive where the branch that leaves goes along the row. None where that is no more than what it
@@ -113,7 +115,7 @@ pub(crate) fn shift(
         (shooting, at),
         singular,
         (along, held),
-        (&distances, ROUNDOFFS),
+        (&distances, ROUNDOFFS, EXTRAPOLATED),
     );
     roughly.or_else(|| fine_shift((shooting, at), singular.sign(), (along, held)))
 }
@@ -147,7 +149,7 @@ fn fine_shift(
     let mut there = Held::singular(&mut fine, singular);
     let found = newton(&mut there, &start, &rows).ok()?;
     let singular = Singular::near(&mut fine, &found.at, sign).ok()?;
-    let near = (&NEAR[..], ROUNDOFFS_LONG);
+    let near = (&NEAR[..], ROUNDOFFS_LONG, EXTRAPOLATED_LONG);
     shift_of((&fine, &found.at), &singular, (along, held), near)
 }
 
@@ -156,7 +158,7 @@ fn shift_of<R: Real>(
     (shooting, at): (&Shooting<R>, &[R]),
     singular: &Singular<R>,
     (along, held): (&[f64], &[Vec<f64>]),
-    (distances, roundoffs): (&[f64], f64),
+    (distances, roundoffs, extrapolated): (&[f64], f64, f64),
 ) -> Option<f64> {
     let along: Vec<R> = along.iter().map(|&x| R::splat(x)).collect();
     let free = shooting.parameters();
@@ -176,7 +178,7 @@ fn shift_of<R: Real>(
         let [far, half, quarter] = [of(far)?, of(0.5 * far)?, of(0.25 * far)?];
         let (once, again) = ((4.0 * half - far) / 3.0, (4.0 * quarter - half) / 3.0);
         let by = (16.0 * again - once) / 15.0;
-        let error = rounding + EXTRAPOLATED * (again - once).abs();
+        let error = rounding + extrapolated * (again - once).abs();
         (by.abs() > error).then_some(by)
     })
 }

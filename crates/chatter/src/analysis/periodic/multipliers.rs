@@ -15,6 +15,20 @@ pub(crate) fn is_neutral(multipliers: &[Complex], error: f64) -> bool {
     none_outside && !is_stable(multipliers, error)
 }
 
+/// So many roundoffs of the largest entry of a balanced matrix are what its eigenvalues may be off by.
+pub(crate) const ROUNDED: f64 = 64.0;
+
+/// A multiplier as it is told which may be off by so much: what is less beside the real axis is rounding of a double one on it.
+pub(crate) fn without_rounding(multiplier: Complex, error: f64) -> Complex {
+    match multiplier.im.abs() <= error {
+        true => Complex {
+            im: 0.0,
+            ..multiplier
+        },
+        false => multiplier,
+    }
+}
+
 fn real(multipliers: &[Complex]) -> impl Iterator<Item = f64> {
     multipliers.iter().filter(|m| m.im == 0.0).map(|m| m.re)
 }
@@ -194,6 +208,13 @@ mod tests {
         let (off, sum, rest) = neutral(&of(&[(0.6, 0.8), (0.6, -0.8), (0.2, 0.0)])).unwrap();
         assert!(off.abs() < 1e-15 && sum == 1.2 && rest == of(&[(0.2, 0.0)]));
         assert_eq!(pair(&before), None);
+    }
+
+    #[test]
+    fn rounding_beside_the_real_axis_is_none() {
+        let beside = |im: f64| without_rounding(Complex { re: 0.5, im }, 1e-14).im;
+        assert_eq!([1e-17, -1e-15, 0.0].map(beside), [0.0; 3]);
+        assert_eq!([1e-13, -1e-13].map(beside), [1e-13, -1e-13]);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::cycle::settle::{Cycle, Patience, settle};
 use super::error::PeriodicError;
 use super::margins::{Margin, margins};
 use super::multipliers::{is_neutral, is_stable};
-use super::shooting::{Shooting, Workshop, struck};
+use super::shooting::{Shooting, Workshop, lies_on};
 use crate::analysis::continuation::{Condition, NewtonError, Problem, approach, newton};
 use crate::flow::leg::onto_gaps;
 use crate::flow::{Closed, GuardKind};
@@ -379,8 +379,8 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
 /// The state that an orbit is told from, on the contacts that hold it or that impacts have just struck.
 pub(super) fn told_start<R: Real>(shooting: &Shooting<R>, at: &[R]) -> Vec<R> {
     let workshop = &shooting.workshop;
-    let touching =
-        Closed(shooting.closed_before(0).0 | struck(&shooting.steps, shooting.steps.len() - 1).0);
+    let on = lies_on(&workshop.system, &shooting.steps, shooting.steps.len() - 1);
+    let touching = Closed(shooting.closed_before(0).0 | on.0);
     let gaps: Vec<_> = (touching.contacts())
         .map(|contact| workshop.model.contacts[contact].gap)
         .collect();

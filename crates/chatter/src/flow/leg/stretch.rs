@@ -28,8 +28,9 @@ pub(crate) struct Stretch {
     passes: Option<usize>,
     /// What is closed, and on which sides it is, where it ends.
     ends_in: (Grip, Sides),
-    /// Contacts that are closed where it starts, and the gaps to start on.
+    /// Contacts that are closed where it starts, those that the state lies on besides, and the gaps of all these.
     closed: Closed,
+    on: Closed,
     gaps: Vec<Expr>,
     time: Option<usize>,
 }
@@ -39,7 +40,7 @@ pub(crate) struct Stretch {
 pub(crate) struct StretchKind {
     /// Contacts that are closed at the start.
     pub closed: Closed,
-    /// Contacts at which there were impacts just before, and that are open.
+    /// Contacts that were struck or held just before, and that are open.
     pub on: Closed,
     /// Chatter sequences that end on the way.
     pub accumulations: usize,
@@ -85,6 +86,7 @@ impl System {
             accumulations: kind.accumulations,
             passes: kind.passes,
             closed: kind.closed,
+            on: kind.on,
             gaps: Closed(kind.closed.0 | kind.on.0)
                 .contacts()
                 .map(|contact| self.model().contacts[contact].gap)
@@ -148,14 +150,15 @@ impl Stretch {
         let start = with_identity(&x, self.edge.columns);
         let clock = self.time.map_or(R::ZERO, |index| x[index]);
         let work = &mut follower.work;
-        let mut trajectory = if self.closed == Closed::NONE {
-            Trajectory::start(system, work, parameters, clock, &start)?
-        } else {
-            // Started anywhere, to have the parameters; then with these contacts closed.
-            let mut trajectory = Trajectory::start(system, work, parameters, clock, &start)?;
+        let on = (&*start, Closed(self.closed.0 | self.on.0));
+        let mut trajectory = Trajectory::start_on(system, work, parameters, clock, on)?;
+        if self.closed != Closed::NONE {
+            // Started anywhere, to have the parameters; now with these contacts closed.
             trajectory.restart_beside(system, work, self.closed, clock, &start)?;
-            trajectory
-        };
+            for contact in self.on.contacts() {
+                trajectory.leave(system, GuardKind::Gap(contact));
+            }
+        }
         trajectory.set_horizon_parts(two_sum(clock, longest));
         let (mut accumulations, mut passes) = (0, 0);
         let mut astray = Astray::Otherwise;

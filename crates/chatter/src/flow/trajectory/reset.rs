@@ -91,7 +91,7 @@ impl<R: Real> Trajectory<R> {
         self.touching = Touching::NONE;
         self.met = met;
         self.settle_corners(system, None)?;
-        self.classify(system, work, false)?;
+        self.classify(system, work, None)?;
         for contact in closed.contacts().filter(|&c| !self.closed.contains(c)) {
             self.pending.push_back(Occurrence::Release { contact });
         }

@@ -63,6 +63,21 @@ impl<R: Real> Trajectory<R> {
         time: R,
         state: &[R],
     ) -> Result<Self, FlowError> {
+        Self::start_on(system, work, parameters, time, (state, Closed::NONE))
+    }
+
+    /// The same where these contacts are touched, whatever rounding has left of their gaps: of a state that is zero on them it leaves as
+    /// much as of their terms.
+    ///
+    /// # Errors
+    /// As for [`start`](Self::start).
+    pub(crate) fn start_on(
+        system: &System,
+        work: &mut Workspace<R>,
+        parameters: &[R],
+        time: R,
+        (state, on): (&[R], Closed),
+    ) -> Result<Self, FlowError> {
         let mut trajectory = Self {
             parameters: parameters.to_vec(),
             constants: Vec::new(),
@@ -118,7 +133,7 @@ impl<R: Real> Trajectory<R> {
             pending: VecDeque::new(),
             untold: Untold::NONE,
         };
-        trajectory.restart(system, work, time, state)?;
+        trajectory.restart_on(system, work, time, (state, on))?;
         Ok(trajectory)
     }
 
@@ -133,24 +148,38 @@ impl<R: Real> Trajectory<R> {
         time: R,
         state: &[R],
     ) -> Result<(), FlowError> {
+        self.restart_on(system, work, time, (state, Closed::NONE))
+    }
+
+    fn restart_on(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        time: R,
+        (state, on): (&[R], Closed),
+    ) -> Result<(), FlowError> {
         self.move_to(system, Closed::NONE, time, state)?;
         self.settle_corners(system, None)?;
         self.pending.clear();
-        self.classify(system, work, true)
+        self.classify(system, work, Some(on))
     }
 
     /// Classifies the contacts that the state lies on, none of which is closed yet. Nothing is told of those at rest at the
-    /// start of a trajectory.
+    /// start of a trajectory; those that are touched there anyhow are given.
     pub(super) fn classify(
         &mut self,
         system: &System,
         work: &mut Workspace<R>,
-        at_start: bool,
+        start_on: Option<Closed>,
     ) -> Result<(), FlowError> {
         let touch = self.touch_values(system)?;
-        let mut touching = Closed::NONE;
+        let at_start = start_on.is_some();
+        let mut touching = start_on.unwrap_or(Closed::NONE);
         let instant = self.instant();
         for (contact, gap) in touch.gap.iter().enumerate() {
+            if touching.contains(contact) {
+                continue;
+            }
             // An event that has led here was met an instant too early or too late.
             let moved = R::splat(touch.rate[contact].terms) * instant;
             if is_inside(gap) && (at_start || gap.value < -moved) {

@@ -415,3 +415,49 @@ fn where_jumps_are_linear_eigenvalues_of_the_flight_tell_no_birth() {
     assert_eq!(of(branch, SpecialKind::Hopf), [0.0; 0]);
     assert_eq!(branch.ends, [End::Equilibrium, End::Range]);
 }
+
+/// A wheelset whose lateral and yawing motion are alike: with P = s^2 + (0.3 + 1/V) s + 1 its eigenvalues solve P^2 = -0.6 V. One pair is imaginary where
+/// 0.3 + 1/V = sqrt(0.6 V) = d, with the frequency 1, and the other one is -d +- i: both have a multiplier of exp(-2 pi d).
+#[test]
+fn a_pair_with_the_frequency_of_the_orbit_has_a_real_multiplier_twice() {
+    let text = r#"
+    [parameters]
+    V = 1.6
+    [flight]
+    y = "v"
+    v = "-y - 0.3*v - (v/V - psi)"
+    psi = "q"
+    q = "-psi - 0.3*q - (q/V + 0.6*V*y) - 0.3*q^3"
+    [section.mid]
+    surface = "y"
+    direction = "rising"
+    [initial]
+    y = 0.1
+    v = 0
+    psi = 0.1
+    q = 0
+    "#;
+    let (mut low, mut high) = (1.4_f64, 1.7_f64);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        match 0.3 + 1.0 / middle > (0.6 * middle).sqrt() {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    let other = (-core::f64::consts::TAU * (0.6 * low).sqrt()).exp();
+    for start in ["1.55", "1.6"] {
+        let found = over(&with(text, &[("V", start)]), "V", (1.5, 1.62), (4, 0.1));
+        let hopf = found[0]
+            .special
+            .iter()
+            .find(|s| s.kind == SpecialKind::Hopf);
+        let hopf = hopf.unwrap();
+        assert!((value(hopf) - low).abs() < 1e-12);
+        let [own, pair @ ..] = &*hopf.point.multipliers else {
+            panic!("no multipliers");
+        };
+        assert_eq!((own.re, own.im, pair.len()), (1.0, 0.0, 2));
+        assert!((pair.iter()).all(|m| m.im == 0.0 && (m.re / other - 1.0).abs() < 1e-11));
+    }
+}

@@ -41,6 +41,8 @@ impl Passed {
 
 /// The relative error of a place that only stations were compared for.
 const UNREFINED: f64 = 1e-11;
+/// A direction has no more than this part of the parameter where that stands still.
+pub(super) const STANDS: f64 = 1e-12;
 /// What vanishes is below this part of what it was to both sides.
 const VANISHES: f64 = 1e-4;
 
@@ -206,7 +208,7 @@ impl Walker {
         let mut kinds = Vec::new();
         let (meets, turns) = (
             from.orientation * to.orientation < 0.0,
-            before * after < 0.0,
+            before * after < 0.0 && !self.stands_between(from, to),
         );
         // Where nothing is left of an orbit its equations are singular by rounding.
         if (meets || turns) && !(self.has_shrunk(from) || self.has_shrunk(to)) {
@@ -274,6 +276,16 @@ impl Walker {
             self.tell(passed, &station, (from.parameter(), to.parameter()));
         }
         None
+    }
+
+    /// Whether the parameter goes nowhere between two stations, and to neither side at any of them, but for rounding: so it is in a family of
+    /// orbits at one value of it.
+    fn stands_between(&self, from: &Station, to: &Station) -> bool {
+        let scale = self.shooting.scales().last().copied().unwrap_or(1.0);
+        let value = from.parameter();
+        let slopes = [from, to].map(|station| station.parameter_slope().abs());
+        slopes.iter().all(|slope| *slope <= STANDS * scale)
+            && (to.parameter() - value).abs() <= NOISE * f64::EPSILON * value.abs()
     }
 
     /// Below this a function of the user's is not told from zero.

@@ -171,6 +171,7 @@ fn side(
         limits: *limits,
         points: kept.points,
         special: kept.special,
+        began: f64::NAN,
     };
     let stand = match kept.then {
         None => walker.begin(start),

@@ -140,7 +140,12 @@ impl Walker {
         if touched.is_none() && ends_on.iter().flatten().any(|&guard| comes(guard)) {
             touched = touch_between(&mut before, &from.at, between, comes);
         }
-        let is_new = |touched: &Touched| !self.has_told(touched.place(), touched.error);
+        let is_new = |touched: &Touched| {
+            let (shooting, at, _) = touched.place();
+            let own = || shooting.clone().landmarks(at);
+            !self.has_told(touched.place(), touched.error)
+                && !self.shares_touch((shooting, at, touched.error), own, Seed::landmarks)
+        };
         if let Some(touched) = touched.filter(is_new) {
             let there = Point::new(&mut self.shooting, &next);
             self.note_passed_touch(&there, touched);
@@ -211,6 +216,24 @@ impl Walker {
         (shooting, at, index): (&Shooting<f64>, &[f64], usize),
         error: f64,
     ) -> bool {
+        let place = || vec![shooting.node(at, shooting.after(index)).to_vec()];
+        let nodes = |seed: &Seed| {
+            let nodes = 0..seed.shooting.steps.len();
+            nodes
+                .map(|index| seed.shooting.node(&seed.at, index).to_vec())
+                .collect()
+        };
+        self.shares_touch((shooting, at, error), place, nodes)
+    }
+
+    /// Whether the latest special point is a touch at this value of the parameter, which is known to so much, and one of these states of it is one of
+    /// its orbit there.
+    fn shares_touch(
+        &self,
+        (shooting, at, error): (&Shooting<f64>, &[f64], f64),
+        states: impl FnOnce() -> Vec<Vec<f64>>,
+        known: impl FnOnce(&Seed) -> Vec<Vec<f64>>,
+    ) -> bool {
         let value = at.last().copied().unwrap_or(f64::NAN);
         let latest = (self.special.last()).filter(|known| {
             let off = (known.point.parameter() - value).abs();
@@ -224,10 +247,7 @@ impl Walker {
         let Ok(turns) = closure.turns(&parameters) else {
             return false;
         };
-        let place = [shooting.node(at, shooting.after(index)).to_vec()];
-        let nodes = 0..seed.shooting.steps.len();
-        let nodes = nodes.map(|index| seed.shooting.node(&seed.at, index).to_vec());
-        let both = (&place[..], &nodes.collect::<Vec<_>>()[..]);
+        let both = (&states()[..], &known(seed)[..]);
         closure.share(&turns, both, &shooting.state_sizes(), THERE)
     }
 
@@ -351,6 +371,7 @@ pub(in crate::analysis::periodic) fn beside(
         limits: *limits,
         points: Vec::new(),
         special: Vec::new(),
+        began: f64::NAN,
     };
     let mut over = Station {
         at: seed.at.clone(),

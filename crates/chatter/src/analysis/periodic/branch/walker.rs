@@ -1,5 +1,6 @@
 //! One side of a branch, station by station.
 
+use super::between::STANDS;
 use super::changes::holds::broken;
 use super::ends::growth::growth;
 use super::ends::returns::passages;
@@ -66,6 +67,8 @@ pub(super) struct Walker {
     pub limits: Limits,
     pub points: Vec<Point>,
     pub special: Vec<Special>,
+    /// The parameter of the orbit that the side began with, once it is followed.
+    pub began: f64,
 }
 
 /// What a step came to.
@@ -113,6 +116,7 @@ impl Walker {
         else {
             return Err(damaged());
         };
+        self.began = walked.origin.last().copied().unwrap_or(f64::NAN);
         let mut curve = Curve::new(station, self.limits.settings());
         curve.step = step;
         self.settle(&curve.station);
@@ -422,7 +426,7 @@ impl Walker {
     fn stay_ends(&mut self, index: usize, curve: &mut Curve, here: &mut Point) -> bool {
         let (station, told) = (curve.station.clone(), self.special.len());
         self.settle(&station);
-        let forward = self.heading(&station);
+        let forward = self.heading_known(&station);
         let outcome = self.lose(&station, index, &here.clone());
         let ends = matches!(self.goes_on(outcome, (curve, forward), here), Stop::On);
         if !ends {
@@ -439,10 +443,16 @@ impl Walker {
 
     /// Where the parameter goes at a station: where it all but stands still, as where a stay comes to its end, as the points before say.
     pub(super) fn heading(&self, station: &Station) -> f64 {
+        self.heading_known(station)
+            .unwrap_or(station.parameter_slope())
+    }
+
+    /// The same, if it goes anywhere: all orbits of a family may have one value of it.
+    pub(super) fn heading_known(&self, station: &Station) -> Option<f64> {
         let value = station.parameter();
         let scale = self.shooting.scales().last().copied().unwrap_or(1.0);
         if !self.stands_still(station) {
-            return station.parameter_slope();
+            return Some(station.parameter_slope());
         }
         let turns = |special: &&Special| {
             special.kind == SpecialKind::Fold || special.persists == Some(false)
@@ -451,9 +461,16 @@ impl Walker {
         let since = turned
             .map_or(0, |special| special.place)
             .min(self.points.len());
-        let mut before = self.points[since..].iter().rev();
-        let known = before.find(|point| (value - point.parameter()).abs() > HEADED * scale);
-        known.map_or(station.parameter_slope(), |point| value - point.parameter())
+        let told = self.points[since..].iter().rev().map(Point::parameter);
+        let all = told.chain((since == 0).then_some(self.began));
+        let ways = all.map(|before| value - before);
+        // The latest that tells, or else the longest way.
+        let known = ways.clone().find(|way| way.abs() > HEADED * scale);
+        let known = known.or_else(|| ways.max_by(|a, b| a.abs().total_cmp(&b.abs())));
+        let by = known
+            .filter(|way| way.abs() > STANDS * scale)
+            .unwrap_or(station.parameter_slope());
+        (by.abs() > STANDS * scale).then_some(by)
     }
 
     /// From a station to where, on the way to the next, the parameter leaves its range.

@@ -193,7 +193,8 @@ pub(crate) fn read(
             };
             told.extend(events.told(instant));
             let last = events.first;
-            let whole = stretch(&instants[begin..=index], (accumulations, last, told));
+            let way = (accumulations, last, told);
+            let whole = stretch(system, &instants[begin..=index], way);
             steps.extend(events.steps((system, parameters), (whole, instant)));
             begins.resize(steps.len(), begin);
             from = index;
@@ -398,6 +399,7 @@ fn comes(instant: &Instant, next: &Instant, guard: Option<GuardKind>) -> bool {
 
 /// The instants are those from where it begins to where it ends.
 fn stretch(
+    system: &System,
     way: &[Instant],
     (accumulations, last, told): (usize, LegKind, Vec<Occurrence<f64>>),
 ) -> Step {
@@ -416,7 +418,7 @@ fn stretch(
     Step {
         passage: Passage::Stretch(StretchKind {
             closed: begin.closed,
-            on: begin.struck(),
+            on: begin.lies_on(system),
             accumulations,
             impacts,
             last,

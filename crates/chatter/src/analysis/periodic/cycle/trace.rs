@@ -41,14 +41,14 @@ impl Instant {
         })
     }
 
-    /// Contacts at which there were impacts, and that are open after them.
-    pub(crate) fn struck(&self) -> Closed {
+    /// Contacts that the state lies on after impacts and that are open: those that were struck, and those that were held and are thrown off.
+    pub(crate) fn lies_on(&self, system: &System) -> Closed {
         let impacts = self.told.iter().filter_map(|told| match *told {
             Occurrence::Impact { contact, .. } => Some(contact),
             _ => None,
         });
-        (impacts.filter(|&contact| !self.closed.contains(contact)))
-            .fold(Closed::NONE, |all, contact| all.with(contact))
+        let struck = impacts.fold(Closed::NONE, |all, contact| all.with(contact));
+        open_beside(system, (self.mode, struck), self.closed)
     }
 
     /// Whether a flight touches a contact here and goes on.
@@ -98,6 +98,24 @@ impl Instant {
             _ => None,
         })
     }
+}
+
+/// Contacts that the state lies on after impacts at some, and that are open then: of those that are held in the mode before, all that
+/// the impacts leave where they are.
+pub(crate) fn open_beside(
+    system: &System,
+    (mode, struck): (usize, Closed),
+    closed_after: Closed,
+) -> Closed {
+    let mut all = struck;
+    let moves = |contact: usize| system.model().contacts[contact].reset.is_some();
+    if struck != Closed::NONE
+        && !struck.contacts().any(moves)
+        && let Some((grip, ..)) = system.origin_of(mode)
+    {
+        all = Closed(all.0 | grip.closed.0);
+    }
+    Closed(all.0 & !closed_after.0)
 }
 
 /// What happened last is of the past once this part of the time has gone by since.

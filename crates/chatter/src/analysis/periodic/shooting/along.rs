@@ -1,6 +1,6 @@
 //! What there is to see on the way of an orbit: least values, crossings of the section, what happens within a stretch.
 
-use super::{Flown, Shooting, struck};
+use super::{Flown, Shooting, lies_on};
 use crate::analysis::continuation::Left;
 use crate::analysis::periodic::cycle::itinerary::Passage;
 use crate::analysis::periodic::cycle::trace::{Instant, Tracer};
@@ -90,7 +90,8 @@ impl Shooting<f64> {
     fn begins_on(&self, index: usize) -> Vec<GuardKind> {
         let count = self.steps.len();
         let before = self.before(index);
-        let touching = Closed(struck(&self.steps, before).0 | self.closed_before(index).0);
+        let on = lies_on(&self.workshop.system, &self.steps, before);
+        let touching = Closed(on.0 | self.closed_before(index).0);
         let mut zeros: Vec<GuardKind> = touching.contacts().map(GuardKind::Gap).collect();
         // What came first at that instant, and then what its jump has brought about, which lies beyond its own surface.
         let others = (0..count - 1).take_while(|&back| self.step_back(before, back).1.is_at_once());

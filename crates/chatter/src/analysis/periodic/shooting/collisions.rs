@@ -6,19 +6,20 @@ use super::{Flown, Shooting};
 use crate::analysis::continuation::{Left, Problem};
 use crate::analysis::periodic::cycle::corners::in_order;
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
+use crate::analysis::periodic::cycle::trace::open_beside;
 use crate::flow::leg::LegKind;
-use crate::flow::{Closed, GuardKind, SAME_DERIVATIVE, SAME_RATE, UNFELT, orders};
+use crate::flow::{Closed, GuardKind, SAME_DERIVATIVE, SAME_RATE, System, UNFELT, orders};
 use crate::model::State;
 use crate::numerics::Matrix;
 use core::ops::Range;
 
-/// Contacts that the collisions up to the end of a step have struck at one instant, and that are open after it.
-pub(crate) fn struck(steps: &[Step], last: usize) -> Closed {
+/// Contacts that the state lies on after the collisions up to the end of a step at one instant, and that are open then.
+pub(crate) fn lies_on(system: &System, steps: &[Step], last: usize) -> Closed {
     let first = (0..=last).rev().find(|&index| !steps[index].is_at_once());
     let chain = &steps[first.unwrap_or(0)..=last];
-    (chain.iter().filter_map(Step::impact))
-        .filter(|&contact| !steps[last].closed.contains(contact))
-        .fold(Closed::NONE, |all, contact| all.with(contact))
+    let struck = (chain.iter().filter_map(Step::impact))
+        .fold(Closed::NONE, |all, contact| all.with(contact));
+    open_beside(system, (chain[0].mode(), struck), steps[last].closed)
 }
 
 /// Impacts that are farther apart than this part of the period do not share an instant.

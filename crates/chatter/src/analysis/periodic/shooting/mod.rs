@@ -32,7 +32,7 @@ mod monodromy;
 mod rest;
 mod workshop;
 
-pub(crate) use collisions::struck;
+pub(crate) use collisions::lies_on;
 pub(crate) use corner::BeyondCorner;
 pub(in crate::analysis::periodic) use corner::mode_there;
 pub(crate) use exchange::{Exchanged, station_after};
@@ -509,7 +509,9 @@ impl<R: Real> Shooting<R> {
                     });
                     let followed = stretch.follow(follower, &all, x, longest);
                     followed.map_err(|astray| match astray {
-                        Astray::Failed(error) => Left::because(error),
+                        Astray::Failed(error) => {
+                            Left::because(error.named(&self.workshop.model))
+                        }
                         Astray::Otherwise => Left::because("chatter is not complete"),
                         Astray::Crosses => Left::because(
                             "derivatives are not carried through complete chatter whose flights cross a surface",

@@ -2,11 +2,10 @@
 
 use super::{Flown, Shooting};
 use crate::analysis::periodic::cycle::itinerary::{Passage, held};
+use crate::analysis::periodic::multipliers::{ROUNDED, without_rounding};
 use crate::flow::leg::Landing;
 use crate::numerics::{Complex, Matrix, Real, balance, dot, eigenvalues, pairs};
 
-/// So many roundoffs of the largest entry of a balanced matrix are what its eigenvalues may be off by.
-const ROUNDED: f64 = 64.0;
 /// An impact of so small a part of what rates are has none: rates go to zero as roots of the distance do.
 const NO_RATE: f64 = 1e-5;
 /// A surface is crossed slowly at a rate that is this part of what its acceleration there makes in a period.
@@ -131,6 +130,7 @@ impl<R: Real> Shooting<R> {
             if place >= left || (!is_product_known && value.modulus() <= unknown) {
                 *value = Complex::default();
             }
+            *value = without_rounding(*value, unknown);
         }
         (found, unknown * largest.max(1.0))
     }

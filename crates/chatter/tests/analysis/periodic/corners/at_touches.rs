@@ -53,9 +53,7 @@ fn a_ball_with_drag_leaves_the_floor_where_its_force_vanishes() {
 }
 
 /// A gear with backlash b whose teeth come apart below omega_1, where its least place with teeth in mesh is b, just as its rate turns.
-#[test]
-fn teeth_with_drag_part_where_their_rate_turns() {
-    let text = r#"
+const GEAR: &str = r#"
     [parameters]
     omega = 1.2
     [flight]
@@ -68,10 +66,20 @@ fn teeth_with_drag_part_where_their_rate_turns() {
     x = 0.8
     v = 0
     "#;
+
+#[test]
+fn teeth_with_drag_part_where_their_rate_turns() {
     for walk in [("1.2", 0.02), ("1.205", 0.1)] {
-        let found = touches(text, "omega", (1.2, 1.22), walk);
+        let found = touches(GEAR, "omega", (1.2, 1.22), walk);
         assert_one(&found, 1.211_550_661_855_699_7, 1e-12);
     }
+}
+
+/// At this step the corner of the drag has changed places with the way back just before the touch, where the parameter stands still.
+#[test]
+fn teeth_part_where_a_corner_has_changed_places_just_before() {
+    let found = touches(GEAR, "omega", (1.19, 1.23), ("1.2", 0.01));
+    assert_one(&found, 1.211_550_661_855_699_7, 1e-12);
 }
 
 /// A wheelset that runs between two flanges, and touches both alike.
@@ -94,7 +102,12 @@ fn both_flanges_are_touched_at_once() {
     psi = 0.1
     q = 0
     "#;
-    for walk in [("1.58", 0.1), ("1.59", 0.02), ("1.65", 0.02)] {
+    for walk in [
+        ("1.58", 0.1),
+        ("1.59", 0.02),
+        ("1.65", 0.02),
+        ("1.565", 0.02),
+    ] {
         let found = touches(text, "V", (1.56, 1.66), walk);
         assert_one(&found, 1.571_373_818_752_045, 1e-12);
     }

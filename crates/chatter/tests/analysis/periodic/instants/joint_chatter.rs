@@ -1,9 +1,9 @@
 //! Chatter of several contacts at once: infinitely many impacts in an order that has no end either.
 
-use crate::periodic::{orbit, settles};
+use crate::periodic::{orbit, over, settles, value, with};
 use chatter::analysis::diagram::{Exponent, Outcome, Range, Spec, Threads, diagram};
 use chatter::analysis::exponents;
-use chatter::analysis::periodic::{MarginKind, PeriodicError};
+use chatter::analysis::periodic::{End, MarginKind, PeriodicError, SpecialKind};
 use chatter::analysis::return_map::{ReturnMap, ReturnSpec};
 use chatter::model::Model;
 use chatter::numerics::Real;
@@ -167,4 +167,78 @@ fn a_bit_that_sticks_as_its_hammer_leaves_has_an_orbit() {
         let off = found.multipliers[0].re - 0.035_643_03;
         assert!(off.abs() < 1e-8, "{off:e}");
     }
+}
+
+/// A block on a base that shakes by F cos(2 t), with edges half a unit from its middle: struck at one of them, it is thrown off the other one that it
+/// rests on, where both gaps are zero by what rounding leaves of a state at zero.
+const BLOCK: &str = r#"
+[parameters]
+F = 1.55
+r = 0.15
+[flight]
+y = "v"
+v = "-1"
+th = "w"
+w = "F*cos(2*t) - 0.05*w"
+[[contact]]
+name = "left"
+gap = "y - 0.5*th"
+impulse = { v = 1, w = -1.5 }
+restitution = "r"
+[[contact]]
+name = "right"
+gap = "y + 0.5*th"
+impulse = { v = 1, w = 1.5 }
+restitution = "r"
+[section.strobe]
+surface = "sin(2*t)"
+direction = "rising"
+[initial]
+y = 0.02
+v = 0
+th = 0.01
+w = 0
+"#;
+
+/// At rest the edges carry (1 +- F cos(2 t)/1.5)/2: one is left where F cos(2 t) = 1.5, the other half a period on, with the jerk
+/// 4/7 of the rate of F cos(2 t).
+#[test]
+fn a_block_thrown_off_an_edge_that_it_rests_on_has_an_orbit() {
+    for (force, r) in [("1.55", "0.15"), ("1.6", "0.03")] {
+        let found = orbit(&with(BLOCK, &[("F", force), ("r", r)]));
+        assert!((found.period.to_f64() / (TAU / 2.0) - 1.0).abs() < 1e-14);
+        assert_eq!(found.impacts, None);
+        assert!(found.multipliers.iter().all(|m| m.re == 0.0 && m.im == 0.0));
+        let force: f64 = force.parse().unwrap();
+        let jerk = 4.0 / 7.0 * 2.0 * (force * force - 2.25).sqrt();
+        let left = 0.5 * (-1.5 / force).acos();
+        let releases = (found.margins.iter()).filter(|m| m.kind == MarginKind::ReleaseJerk);
+        let releases: Vec<_> = releases.map(|m| (m.value, m.time)).collect();
+        let of = |time: f64| {
+            releases.iter().any(|(value, at)| {
+                (value / jerk - 1.0).abs() < 1e-9 && (at / time - 1.0).abs() < 1e-9
+            })
+        };
+        assert!(
+            of(left) && of(left + TAU / 4.0),
+            "{releases:?} {jerk} {left}"
+        );
+    }
+}
+
+/// It begins to rock where F = 1.5, and the branch goes on there with an orbit of chatter.
+#[test]
+fn a_block_begins_to_rock_where_an_edge_carries_nothing() {
+    let model = with(BLOCK, &[("F", "1.499"), ("r", "0.03")]);
+    let found = over(&model, "F", (1.498, 1.502), (4, 0.5));
+    let [touch] = &*found[0].special else {
+        panic!("{:?}", found[0].special);
+    };
+    assert_eq!(
+        (touch.kind, touch.persists),
+        (SpecialKind::Touch, Some(true))
+    );
+    assert!((value(touch) - 1.5).abs() < 1e-12);
+    assert_eq!(found[0].ends, [End::Range, End::Range]);
+    assert_eq!(found[0].points.last().unwrap().impacts, None);
 }

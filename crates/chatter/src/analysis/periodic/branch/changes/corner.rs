@@ -114,7 +114,7 @@ impl Walker {
         self.shooting = other;
         // A family has come to its end, from neither side.
         let stood = self.is_flat(&from);
-        let gone = self.goes_on(Ok(next), (curve, from.parameter_slope()), here);
+        let gone = self.goes_on(Ok(next), (curve, Some(from.parameter_slope())), here);
         if stood && let Some(special) = self.latest_change() {
             special.persists = None;
         }

@@ -4,7 +4,7 @@ use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step, around};
 use crate::analysis::periodic::cycle::rotate::rotate;
 use crate::analysis::periodic::error::PeriodicError;
-use crate::analysis::periodic::shooting::{Shooting, struck};
+use crate::analysis::periodic::shooting::{Shooting, lies_on};
 use crate::expressions::Side;
 use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, Least, LegKind, StretchKind};
@@ -222,7 +222,7 @@ impl Shooting<f64> {
             (Passage::Leg(_), Passage::Stretch(whole)) if is_section => {
                 Passage::Stretch(StretchKind {
                     closed: steps[before].closed,
-                    on: struck(&steps, before),
+                    on: lies_on(&self.workshop.system, &steps, before),
                     ..whole.up_to(whole.last)
                 })
             }

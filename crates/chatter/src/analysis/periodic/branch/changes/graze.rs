@@ -10,6 +10,7 @@ use crate::analysis::periodic::condition::Bordered;
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::orbit::shorter;
 use crate::analysis::periodic::shooting::{Exchanged, Shooting, station_after};
+use crate::analysis::periodic::solved::NOISE;
 use crate::flow::GuardKind;
 use crate::flow::leg::Least;
 
@@ -117,7 +118,7 @@ impl Walker {
             return self.comes_to_corner((curve, step), (&station, index, guard), here, &there);
         }
         // Of the equations as they are.
-        let headings = (self.heading(&from), self.heading(&station));
+        let headings = (self.heading_known(&from), self.heading_known(&station));
         let (known, before) = (self.special.len(), self.shooting.clone());
         let outcome = match broken {
             Broken::Inner(index, GuardKind::Gap(contact))
@@ -253,7 +254,7 @@ impl Walker {
             return Stop::End(end);
         }
         self.settle(&station);
-        let forward = self.heading(&curve.station);
+        let forward = self.heading_known(&curve.station);
         let exchanged = self.shooting.exchanged(&station.at, index);
         let shows = |exchanged: &Exchanged| Shooting::order_shows(exchanged).unwrap_or(true);
         // Where friction begins or ceases to stop what slides at an impact other impacts do beside it, and nothing is told of any.
@@ -277,8 +278,12 @@ impl Walker {
             Ok(next) => {
                 self.settle(&next);
                 self.shooting.adopt(&next.at);
+                let is_flat = self.is_flat(&next);
                 if is_told && let Some(special) = self.special.last_mut() {
-                    special.persists = Some(next.parameter_slope() * forward > 0.0);
+                    // Where a stay is over the parameter stands still, and rounding says where it goes.
+                    let forward = forward.filter(|_| !is_flat);
+                    special.persists =
+                        forward.map(|forward| next.parameter_slope() * forward > 0.0);
                 }
                 self.begins_anew((next, step), curve, here);
                 Stop::On
@@ -403,18 +408,23 @@ impl Walker {
     pub(in crate::analysis::periodic::branch) fn goes_on(
         &mut self,
         outcome: Result<Station, String>,
-        (curve, forward): (&mut Curve, f64),
+        (curve, forward): (&mut Curve, Option<f64>),
         here: &mut Point,
     ) -> Stop {
         match outcome {
             Ok(next) => {
+                // The shortest way that tells: a longer one may pass a fold.
+                let steps = [curve.step, self.limits.longest_step].map(|step| CAREFUL * step);
                 let onward = match self.is_flat(&next) {
-                    true => (next.ahead(&mut self.shooting, CAREFUL * curve.step))
-                        .map_or(forward, |(ahead, _)| ahead.parameter() - next.parameter()),
-                    false => next.parameter_slope(),
+                    true => steps.into_iter().find_map(|step| {
+                        (next.ahead(&mut self.shooting, step))
+                            .map_or(forward, |(ahead, _)| gone((&next, &ahead)))
+                    }),
+                    false => Some(next.parameter_slope()),
                 };
+                let both = forward.zip(onward);
                 if let Some(special) = self.latest_change() {
-                    special.persists = Some(onward * forward > 0.0);
+                    special.persists = both.map(|(forward, onward)| onward * forward > 0.0);
                 }
                 self.settle(&next);
                 self.begins_anew((next, CAREFUL * curve.step), curve, here);
@@ -589,8 +599,7 @@ impl Walker {
             merged = longer.without_event(&at, index.unwrap_or(0));
         }
         let (mut shorter, guess, merged) = merged.map_err(|error| told(&error))?;
-        let last = guess.len() - 1;
-        let next = Station::near(&mut shorter, &guess, last).map_err(|error| told(&error))?;
+        let next = Station::beside(&mut shorter, &guess).map_err(|error| told(&error))?;
         shorter.evaluate(&next.at).map_err(|left| told(&left))?;
         if let Some(special) = self.special.last_mut() {
             (special.point.multipliers, special.point.modulus_error) = match shorter.grazes() {
@@ -642,6 +651,12 @@ impl Walker {
         self.shooting = shorter;
         Ok(if forward { next } else { reversed })
     }
+}
+
+/// How far the parameter has gone between two stations, if that is more than rounding of it: all orbits of a family may have one value.
+fn gone((from, to): (&Station, &Station)) -> Option<f64> {
+    let by = to.parameter() - from.parameter();
+    (by.abs() > NOISE * f64::EPSILON * to.parameter().abs()).then_some(by)
 }
 
 /// Whether the height of a flight can be told from rounding of the terms that the gap is the sum of.

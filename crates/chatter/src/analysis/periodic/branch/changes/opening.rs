@@ -59,7 +59,7 @@ impl Walker {
             return None;
         }
         self.settle(&station);
-        let forward = self.heading(&station);
+        let forward = self.heading_known(&station);
         let outcome = self.opens_beyond(&station, touched, &here.clone());
         Some(match self.goes_on(outcome, (curve, forward), here) {
             Stop::End(end @ End::Lost(_)) => Stop::Over(end),

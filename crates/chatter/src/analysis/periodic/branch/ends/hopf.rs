@@ -11,6 +11,7 @@ use crate::analysis::periodic::branch::special::Seed;
 use crate::analysis::periodic::branch::walker::Walker;
 use crate::analysis::periodic::branch::{End, Point, SpecialKind};
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
+use crate::analysis::periodic::multipliers::{ROUNDED, without_rounding};
 use crate::analysis::periodic::shooting::Shooting;
 use crate::analysis::periodic::solved::NOISE;
 use crate::flow::GuardKind;
@@ -263,16 +264,20 @@ impl Walker {
         // Beside the trivial one the pair leaves another 1: to first order orbits of any size are orbits.
         let mut others = hopf.eigenvalues.clone();
         others.retain(|x| (x.im.abs() - hopf.frequency).abs() > f64::EPSILON * hopf.frequency);
+        let largest = (hopf.eigenvalues.iter()).fold(0.0_f64, |most, x| most.max(x.modulus()));
+        let rounded = ROUNDED * f64::EPSILON * largest * period;
         let mut multipliers = vec![Complex { re: 1.0, im: 0.0 }];
         multipliers.extend(others.iter().map(|x| {
             let modulus = libm::exp(x.re * period);
             let (sine, cosine) = libm::sincos(x.im * period);
-            Complex {
+            let multiplier = Complex {
                 re: modulus * cosine,
                 im: modulus * sine,
-            }
+            };
+            without_rounding(multiplier, rounded * modulus)
         }));
-        multipliers.sort_by(|a, b| b.modulus().total_cmp(&a.modulus()));
+        multipliers
+            .sort_by(|a, b| (b.modulus().total_cmp(&a.modulus())).then(b.im.total_cmp(&a.im)));
         let point = Point {
             parameters: free,
             period,

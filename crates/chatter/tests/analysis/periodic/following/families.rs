@@ -1,0 +1,79 @@
+//! Families of orbits at one value of the parameter: where a system is linear along its orbit, doubled orbits of all sizes leave at a doubling, up to
+//! where they come to what is not linear.
+
+use crate::periodic::{over, value, with};
+use chatter::analysis::periodic::{End, SpecialKind};
+
+/// A gear whose teeth stay in mesh along its orbit: displacements obey x'' + 0.08 x' + (1 + cos(omega t)/4) x = 0.
+const GEAR: &str = r#"
+[parameters]
+omega = 1.8
+[flight]
+x = "v"
+v = "0.2 + 0.15*cos(omega*t + 0.4) - 0.08*v - (1 + 0.25*cos(omega*t))*(x - clamp(x, -0.5, 0.5))"
+[section.strobe]
+surface = "sin(omega*t)"
+direction = "rising"
+[initial]
+x = 0.8
+v = 0
+"#;
+
+/// Where that has a multiplier of -1, by Hill's determinant.
+const DOUBLINGS: [f64; 2] = [1.900_545_855_446_418_2, 2.092_426_137_061_239_2];
+
+/// Doubled orbits are on no side of a doubling where all of them are at its value.
+#[test]
+fn a_doubling_of_a_linear_map_has_no_side() {
+    for (start, step) in [("1.8", 0.05), ("2.15", 0.05), ("1.7", 0.03)] {
+        let found = over(
+            &with(GEAR, &[("omega", start)]),
+            "omega",
+            (1.6, 2.2),
+            (4, step),
+        );
+        let special = &found[0].special;
+        assert_eq!(special.len(), 2, "{start} {step}");
+        for (special, at) in special.iter().zip(DOUBLINGS) {
+            assert_eq!(
+                (special.kind, special.above),
+                (SpecialKind::PeriodDoubling, None)
+            );
+            assert!((value(special) - at).abs() < 1e-12);
+        }
+    }
+}
+
+/// The branch of doubled orbits goes up the family at one doubling, to where an orbit comes to the end of the mesh, and from there on to the family at
+/// the other one, and down it. On neither does it fold, and neither is gone on from in a direction of the parameter.
+#[test]
+fn a_family_ends_at_the_simple_orbit_and_at_a_touch() {
+    for (start, step) in [("2.0", 0.07), ("1.95", 0.1)] {
+        let found = over(
+            &with(GEAR, &[("omega", start)]),
+            "omega",
+            (1.6, 2.2),
+            (4, step),
+        );
+        let branch = &found[0];
+        let again = End::Again(SpecialKind::BranchPoint);
+        assert_eq!(branch.ends, [again.clone(), again], "{start} {step}");
+        let kinds: Vec<_> = branch.special.iter().map(|s| s.kind).collect();
+        let touches: Vec<_> = branch
+            .special
+            .iter()
+            .filter(|s| s.kind == SpecialKind::Touch)
+            .collect();
+        let folds = kinds
+            .iter()
+            .filter(|kind| **kind == SpecialKind::Fold)
+            .count();
+        assert_eq!((touches.len(), folds), (2, 1), "{start} {step}: {kinds:?}");
+        let mut places: Vec<f64> = touches.iter().map(|s| value(s)).collect();
+        places.sort_by(f64::total_cmp);
+        for (place, at) in places.iter().zip(DOUBLINGS) {
+            assert!((place - at).abs() < 1e-12);
+        }
+        assert!(touches.iter().all(|touch| touch.persists.is_none()));
+    }
+}
