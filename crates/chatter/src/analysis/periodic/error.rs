@@ -109,6 +109,11 @@ pub enum PeriodicError {
     },
     /// Motion beside the orbit that was found leaves it by more than numbers can say.
     Boundless,
+    /// There are no curves in two parameters of special points of this kind.
+    NoCurve {
+        /// Which kind.
+        kind: SpecialKind,
+    },
     /// An event of a kind that derivatives do not follow.
     Unfollowed {
         /// What it is.
@@ -220,6 +225,17 @@ impl fmt::Display for PeriodicError {
                 out,
                 "the orbit that was found is so unstable that its multipliers exceed all numbers: the motion is chaotic"
             ),
+            Self::NoCurve { kind } => {
+                let told = |kind: SpecialKind| format!("`{}`", kind.name());
+                let all = SpecialKind::ALL.into_iter();
+                let others: Vec<String> = all.filter(|kind| kind.has_curve()).map(told).collect();
+                let others = others.join(", ");
+                write!(
+                    out,
+                    "curves in two parameters are followed of special points of the kinds {others}, and not of {}",
+                    told(*kind)
+                )
+            }
             Self::Unfollowed { what } => write!(
                 out,
                 "the orbit goes through {what}, which is not followed yet"

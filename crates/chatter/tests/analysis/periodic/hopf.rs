@@ -461,3 +461,36 @@ fn a_pair_with_the_frequency_of_the_orbit_has_a_real_multiplier_twice() {
         assert!((pair.iter()).all(|m| m.im == 0.0 && (m.re / other - 1.0).abs() < 1e-11));
     }
 }
+
+/// x'' = mu x' - x' |(x, x')| - x: 3 pi mu / 8 is the amplitude, to first order, and the slopes of the damping have no formula at the origin, wherever that is.
+#[test]
+fn a_limit_cycle_under_damping_by_a_length_ends_where_it_is_born() {
+    for (length, at) in [
+        ("hypot(x, y)", 0.0),
+        ("sqrt(y^2 + x^2)", 0.0),
+        ("hypot(x - 1, y)", 1.0),
+    ] {
+        let force = format!("mu*y - y*{length} - (x - {at:?})");
+        let field = ("y", &*force);
+        let section = format!("x - {at:?}");
+        for step in [0.01, 0.04] {
+            let model = with(&system("mu = 0.2", field, &section, (at + 0.2, 0.0)), &[]);
+            let found = over(&model, "mu", (-0.1, 0.4), (8, step));
+            let branch = &found[0];
+            assert_eq!(
+                branch.ends,
+                [End::Equilibrium, End::Range],
+                "{length} {step}"
+            );
+            let [hopf] = of(branch, SpecialKind::Hopf)[..] else {
+                panic!("{length} {step}: {:?}", branch.special);
+            };
+            assert!(hopf.abs() < 1e-12, "{length} {step}: {hopf}");
+            assert_eq!(branch.special.len(), 1, "{length} {step}");
+            let special = &branch.special[0];
+            assert!(special.error < 1e-12, "{special:?}");
+            assert!((special.point.period - core::f64::consts::TAU).abs() < 1e-12);
+            assert!((special.point.state[0] - at).abs() < 1e-12);
+        }
+    }
+}

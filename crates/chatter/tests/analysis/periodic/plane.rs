@@ -651,3 +651,32 @@ fn comes_through_the_touch(([first, om], [x, v]): ([f64; 2], [f64; 2]), longest_
         "{longest_step}: {touches:?}"
     );
 }
+
+/// Of which kinds there are curves is said where there is none.
+#[test]
+fn of_a_kind_without_curves_that_is_said() {
+    let duffing = with(DUFFING, &[]);
+    for kind in [
+        SpecialKind::Hopf,
+        SpecialKind::BranchPoint,
+        SpecialKind::Touch,
+    ] {
+        let known = Known {
+            kind,
+            monitor: None,
+            state: vec![0.0, 0.0, 0.0],
+            period: core::f64::consts::TAU / 1.3,
+        };
+        let found = curve_of(&duffing, ["f", "w"], (&known, 0.3), ((1.1, 1.4), 0.05));
+        let error = found.unwrap_err();
+        let is_of_kind = matches!(error, PeriodicError::NoCurve { kind: told } if told == kind);
+        assert!(is_of_kind, "{error}");
+        let (followed, told) = { error.to_string() }
+            .split_once(", and not of ")
+            .map(|(one, other)| (one.to_owned(), other.to_owned()))
+            .unwrap();
+        assert_eq!(told, format!("`{}`", kind.name()));
+        assert!(followed.contains("`fold`, `period_doubling`, `neimark_sacker`"));
+        assert!(!followed.contains(kind.name()), "{followed}");
+    }
+}

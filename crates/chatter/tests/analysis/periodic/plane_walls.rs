@@ -137,3 +137,53 @@ fn a_curve_of_zeros_of_a_function_ends_at_a_graze() {
         assert_eq!(graze.point.impacts, Some(0));
     }
 }
+
+/// A pendulum between two walls whose orbit is its own mirror image, and loses that: there the curve of its grazes meets that of the others, a multiplier is
+/// 1, and the point is known to rounding at all steps and from both sides. (The place is that of SciPy's DOP853, where an eigenvalue of half a period is -1.)
+#[test]
+fn a_curve_of_symmetric_grazes_passes_where_symmetry_is_lost() {
+    let text = "[parameters]\nF = 0.5\nsigma = 2.7\n[flight]\nx = 'v'\nv = '-0.2*v - sin(x) + F*cos(0.65*t)'\n[[contact]]\n\
+                name = 'right'\ngap = 'sigma - x'\nimpulse = { v = -1 }\nrestitution = 0.7\n[[contact]]\nname = 'left'\n\
+                gap = 'sigma + x'\nimpulse = { v = 1 }\nrestitution = 0.7\n[section.s]\nsurface = 'sin(0.65*t)'\n\
+                direction = 'rising'\n[initial]\nx = 0\nv = 0\n";
+    let period = core::f64::consts::TAU / 0.65;
+    let starts = [
+        [
+            0.503_100_223_396_410_6,
+            2.692_804_113_034_004,
+            -1.995_630_227_071_345_3,
+            1.195_525_095_492_179_4,
+        ],
+        [
+            0.522_792_628_048_773_5,
+            2.714_882_447_187_507_3,
+            -2.070_984_611_883_627,
+            1.145_954_666_680_09,
+        ],
+    ];
+    for [force, wall, x, v] in starts {
+        let model = with(text, &[("sigma", &format!("{wall:?}"))]);
+        let known = Known {
+            kind: SpecialKind::ImpactGraze,
+            monitor: None,
+            state: vec![x, v, period],
+            period,
+        };
+        for step in [0.02, 0.05, 0.2] {
+            let limits = limits((2.69, 2.72), (0.5, 0.53), step);
+            let free = ["F", "sigma"];
+            let curve = curve_within(&model, free, (&known, force), &limits).unwrap();
+            assert_eq!(curve.ends, [End::Range, End::Range], "{force} {step}");
+            let [special] = &curve.special[..] else {
+                panic!("{force} {step}: {:?}", curve.special)
+            };
+            assert_eq!(special.kind, SpecialKind::GrazeFold);
+            let off = (special.point.parameters[0] - 0.516_836_743_376_455).abs();
+            let off = off.max((special.point.parameters[1] - 2.708_288_200_761_826).abs());
+            assert!(
+                off < 1e-12 && special.error < 1e-13,
+                "{force} {step}: {off} {special:?}"
+            );
+        }
+    }
+}

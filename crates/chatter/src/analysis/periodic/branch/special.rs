@@ -99,6 +99,20 @@ impl SpecialKind {
         )
     }
 
+    /// Whether curves in two parameters of points of this kind are followed.
+    pub(in crate::analysis::periodic) const fn has_curve(self) -> bool {
+        matches!(
+            self,
+            Self::Fold
+                | Self::PeriodDoubling
+                | Self::NeimarkSacker
+                | Self::ImpactGraze
+                | Self::FlightGraze
+                | Self::ChatterBorder
+                | Self::Monitor
+        )
+    }
+
     /// Its name in results.
     pub const fn name(self) -> &'static str {
         match self {

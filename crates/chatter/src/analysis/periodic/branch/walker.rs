@@ -354,7 +354,7 @@ impl Walker {
         };
         // Whatever else is said where nothing is left of the orbit.
         let end = match end {
-            End::Lost(_) if self.has_shrunk(&curve.station) => End::Equilibrium,
+            End::Lost(_) if self.has_shrunk(&curve.station) => self.shrunk(&curve.station),
             end => end,
         };
         let end = ledger.close((&self.points, &self.special), end, diary);
@@ -402,7 +402,7 @@ impl Walker {
     /// one.
     fn comes_to_rest(&mut self, station: &Station) -> Option<End> {
         if self.has_shrunk(station) {
-            return Some(End::Equilibrium);
+            return Some(self.shrunk(station));
         }
         self.settle(station);
         let unbounded = self.unbounded(station);

@@ -43,6 +43,8 @@ const ROUNDOFFS: f64 = 64.0;
 pub(super) const NOT_QUITE: f64 = 1e-5;
 /// Where a curve begins on such a point what vanishes there does so nearer than so many roundoffs of the solution's size.
 const BEGINS: f64 = 64.0;
+/// What vanishes where another curve is met is told to do so as near to that, in parts of the step.
+const BESIDE_MEETING: f64 = 1e-2;
 /// At a point of codimension two what vanishes is below this part of what it was to both sides.
 pub(super) const VANISHES: f64 = 1e-4;
 
@@ -404,14 +406,21 @@ impl Follower {
             let located = locate(&mut held, from, step, (before, after), &mut |_, station| {
                 value(station)
             });
-            let Some((station, ahead)) = located else {
+            let Some((mut station, ahead)) = located else {
                 continue;
             };
-            let here = value(&station).unwrap_or(f64::NAN);
+            let mut here = value(&station).unwrap_or(f64::NAN);
             // What jumps has no zero, and what has a pole comes no nearer to it in between.
             let (least, most) = (before.abs().min(after.abs()), before.abs().max(after.abs()));
-            let vanishes = here.abs() <= least.min(VANISHES * most);
-            if !vanishes || self.shooting.evaluate(&station.at).is_err() {
+            let vanishes = |here: f64| here.abs() <= least.min(VANISHES * most);
+            // Where another curve is met stations are known the less the nearer they are, and the meeting itself to rounding.
+            if from.orientation * to.orientation < 0.0
+                && let Some(met) = self.met((&station, BESIDE_MEETING * step), bordered)
+                && let Some(there) = value(&met).filter(|&there| vanishes(there))
+            {
+                (station, here) = (met, there);
+            }
+            if !vanishes(here) || self.shooting.evaluate(&station.at).is_err() {
                 continue;
             }
             let (there, _) = multipliers(&self.shooting, &station.at, grazing);

@@ -82,9 +82,10 @@ fn begin_at(
     free: &[f64],
     (known, grazed): (&Known, Option<Grazed>),
 ) -> Result<Begun, PeriodicError> {
-    let unfollowed = || PeriodicError::Unfollowed {
-        what: format!("a {} in two parameters", known.kind.name()),
-    };
+    let no_curve = || PeriodicError::NoCurve { kind: known.kind };
+    if !known.kind.has_curve() {
+        return Err(no_curve());
+    }
     let cycle = reread(workshop, free, (&known.state, known.period))?;
     let mut shooting = Shooting::<f64>::new(workshop, cycle.steps, cycle.counts)?;
     let mut at = shooting.guess(free);
@@ -106,7 +107,7 @@ fn begin_at(
             let index = known
                 .monitor
                 .filter(|index| *index < workshop.monitors.len());
-            Condition::Monitor(shooting.user_function(index.ok_or_else(unfollowed)?))
+            Condition::Monitor(shooting.user_function(index.ok_or_else(no_curve)?))
         }
         SpecialKind::FlightGraze | SpecialKind::ImpactGraze => {
             let mut index = match grazed {
@@ -121,7 +122,7 @@ fn begin_at(
             grazing = Some(index);
             Condition::Monitor(index)
         }
-        _ => return Err(unfollowed()),
+        _ => return Err(no_curve()),
     };
     let held = Row::held(&at, at.len() - 1..at.len());
     let begun = solved((shooting, at), (condition, grazing), known.kind, &held)?;

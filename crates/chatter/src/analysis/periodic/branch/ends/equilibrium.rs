@@ -1,5 +1,6 @@
 //! Equilibria of the flight that a step of an orbit is.
 
+use super::forced_rest::ALIKE;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::expressions::{Expr, Graph, Symbol};
 use crate::flow::leg::{Jump, LegKind};
@@ -10,6 +11,11 @@ use core::convert::Infallible;
 /// An equilibrium is known to so many roundoffs.
 const ROUNDOFFS: f64 = 64.0;
 
+/// Beside a state are those that differ from it by so small a part of the sizes of states: beside zero, and beside what rounds.
+const BESIDE: [f64; 2] = [1e-100, ROUNDOFFS * f64::EPSILON];
+/// From so many directions slopes come to what they are.
+const DIRECTIONS: usize = 5;
+
 /// The field of a flight and its slopes, at some parameters: in states that something depends on, others may go on.
 #[derive(Clone, Debug)]
 pub(super) struct Equilibria {
@@ -17,6 +23,8 @@ pub(super) struct Equilibria {
     pub states: Vec<usize>,
     /// All parameters, pieces of lookups included.
     pub parameters: Vec<f64>,
+    /// Sizes of all states.
+    sizes: Vec<f64>,
     field: Vec<(usize, Expr, Vec<Expr>)>,
     graph: Graph,
 }
@@ -71,13 +79,47 @@ impl Equilibria {
 
     /// The field at a state, and its slopes.
     pub(super) fn at(&self, state: &[f64]) -> Linearised<f64> {
+        let own = self.slopes(state);
+        let is_known = own.iter().flatten().all(|slope| slope.is_finite());
+        let slopes = match is_known {
+            true => own,
+            false => self.slopes_beside(state).unwrap_or(own),
+        };
         let of = |expr: Expr| (self.graph).evaluate(expr, state, &self.parameters);
-        let rows =
-            (self.field.iter()).map(|(.., slopes)| slopes.iter().map(|&slope| of(slope)).collect());
         Linearised {
             residual: self.field.iter().map(|&(_, rate, _)| of(rate)).collect(),
-            jacobian: Matrix::from_rows(&rows.collect::<Vec<Vec<f64>>>()),
+            jacobian: Matrix::from_rows(&slopes),
         }
+    }
+
+    fn slopes(&self, state: &[f64]) -> Vec<Vec<f64>> {
+        let of = |expr: Expr| (self.graph).evaluate(expr, state, &self.parameters);
+        let rows = self.field.iter();
+        rows.map(|(.., slopes)| slopes.iter().map(|&slope| of(slope)).collect())
+            .collect()
+    }
+
+    /// The slopes where their formulas have no value, as those of v |(x, v)| have none at the origin, if they come to the same from all sides.
+    fn slopes_beside(&self, state: &[f64]) -> Option<Vec<Vec<f64>>> {
+        BESIDE.into_iter().find_map(|reach| {
+            let all = (0..DIRECTIONS).map(|k| {
+                let mut beside = state.to_vec();
+                for (i, &index) in self.states.iter().enumerate() {
+                    let (k, i) = (k as f64, i as f64);
+                    beside[index] += reach * self.sizes[index] * libm::sin(1.0 + k + (1.0 + k) * i);
+                }
+                self.slopes(&beside)
+            });
+            let all: Vec<Vec<Vec<f64>>> = all.collect();
+            let (first, others) = all.split_first()?;
+            let is_limit = others.iter().all(|other| {
+                let pairs = first.iter().flatten().zip(other.iter().flatten());
+                let mut pairs =
+                    pairs.map(|(one, two)| (one - two).abs() <= ALIKE * (1.0 + one.abs()));
+                pairs.all(|alike| alike)
+            });
+            is_limit.then(|| first.clone())
+        })
     }
 
     /// The equilibrium near a state.
@@ -200,6 +242,7 @@ impl Shooting<f64> {
         let field = field.collect();
         Some(Equilibria {
             parameters: self.parameters_of(&workshop.parameters(self.free(at)), &self.steps[index]),
+            sizes: self.state_sizes(),
             states,
             field,
             graph,

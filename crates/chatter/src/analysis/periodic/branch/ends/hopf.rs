@@ -27,6 +27,8 @@ const APART: f64 = 1e-4;
 const MOST: usize = 50;
 /// A step on which an orbit turns too far against the plane that it is told from is taken again with this part of its length.
 const SHORTER: f64 = 0.4;
+/// Where nothing is left of an orbit is no farther from the last one than this part of the parameter's size.
+const HERE: f64 = 1e-3;
 /// A pair is imaginary, with the frequency of the last orbit, up to this part of that.
 const SAME_FREQUENCY: f64 = 0.1;
 
@@ -176,6 +178,22 @@ impl Walker {
         };
         self.note_hopf(touch, hopf);
         Some(End::Equilibrium)
+    }
+
+    /// The end where nothing is left of an orbit that no forcing moves: at a Hopf point, if its equilibrium has one there.
+    pub(in crate::analysis::periodic::branch) fn shrunk(&mut self, station: &Station) -> End {
+        self.settle(station);
+        let is_forced = self.shooting.counts.iter().any(|&count| count != 0);
+        let scale = self.shooting.scales().last().copied().unwrap_or(1.0);
+        let is_here = |hopf: &Hopf| (hopf.parameter - station.parameter()).abs() <= HERE * scale;
+        let hopf = match is_forced {
+            true => None,
+            false => self.hopf_beside(station, 0).filter(is_here),
+        };
+        if let Some(hopf) = hopf {
+            self.note_hopf(station, hopf);
+        }
+        End::Equilibrium
     }
 
     /// The way to where an orbit has shrunk to nothing, or is told no more: whether something ends the branch on it.
