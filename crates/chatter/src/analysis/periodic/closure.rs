@@ -370,4 +370,10 @@ impl Closure {
     pub(crate) fn is_idle(&self, state: usize) -> bool {
         self.idle.iter().any(|free| free.state == state)
     }
+
+    /// Whether a displacement of the model that is none of the orbit moves a state.
+    pub(crate) fn is_carried(&self, state: usize) -> bool {
+        let others = |free: &Translation| free.others.iter().any(|&(other, _)| other == state);
+        (self.idle.iter()).any(|free| free.state == state || others(free))
+    }
 }

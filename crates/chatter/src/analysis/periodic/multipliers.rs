@@ -20,12 +20,15 @@ pub(crate) const ROUNDED: f64 = 64.0;
 
 /// A multiplier as it is told which may be off by so much: what is less beside the real axis is rounding of a double one on it.
 pub(crate) fn without_rounding(multiplier: Complex, error: f64) -> Complex {
-    match multiplier.im.abs() <= error {
-        true => Complex {
-            im: 0.0,
-            ..multiplier
-        },
-        false => multiplier,
+    let im = if multiplier.im.abs() <= error {
+        0.0
+    } else {
+        multiplier.im
+    };
+    // Zero has no sign.
+    Complex {
+        re: multiplier.re + 0.0,
+        im,
     }
 }
 
@@ -215,6 +218,8 @@ mod tests {
         let beside = |im: f64| without_rounding(Complex { re: 0.5, im }, 1e-14).im;
         assert_eq!([1e-17, -1e-15, 0.0].map(beside), [0.0; 3]);
         assert_eq!([1e-13, -1e-13].map(beside), [1e-13, -1e-13]);
+        let nothing = without_rounding(Complex { re: -0.0, im: 0.0 }, 0.0);
+        assert!(nothing.re.is_sign_positive());
     }
 
     #[test]

@@ -38,6 +38,37 @@ fn at_rest() -> String {
         .replace("x = 0\nX = 0", "z = 0")
 }
 
+/// A woodpecker toy, with or without how far it has slid down: that grows, and a return that was told from it would come after
+/// thousands of turns.
+#[test]
+fn a_limit_cycle_is_found_where_something_drifts_with_it() {
+    let found = |place: &str, begin: &str| {
+        let jam = |name: &str, surface: &str| {
+            format!(
+                "[[event]]\nname = \"{name}\"\nsurface = \"{surface}\"\nreset = {{ w = \"0.9*w - 0.4*v\", v = 0 }}\n"
+            )
+        };
+        let text = format!(
+            "[flight]\np = \"w\"\nw = \"if(abs(p) > 0.3, -p - 0.12, -0.05*p)\"\nv = \"if(abs(p) > 0.3, 0, -1)\"\n{place}\
+             [[contact]]\ngap = \"0.8 - p\"\nimpulse = {{ w = -1 }}\nrestitution = 0.5\n{}direction = \"rising\"\n{}\
+             direction = \"falling\"\n[section.mid]\nsurface = \"p\"\ndirection = \"rising\"\n\
+             [initial]\np = 0\nw = 0.5\nv = 0\n{begin}",
+            jam("up", "p - 0.3"),
+            jam("down", "p + 0.3"),
+        );
+        orbit(&with(&text, &[]))
+    };
+    let alone = found("", "");
+    for place in ["z = \"1\"\n", "z = \"v\"\n"] {
+        let beside = found(place, "z = 0\n");
+        assert!(
+            (beside.period - alone.period).to_f64().abs() < 1e-13,
+            "{place}"
+        );
+        assert_eq!((beside.impacts, alone.impacts), (Some(1), Some(1)));
+    }
+}
+
 #[test]
 fn multipliers_and_special_points_of_what_drifts_are_those_of_the_differences() {
     let (drifting, resting) = (with(DRIFTING, &[]), with(&at_rest(), &[]));

@@ -245,9 +245,10 @@ fn return_among(
                 continue;
             }
             let difference = (workshop.closure).difference(turns, (&a.state, &b.state), sizes);
-            // What dies out comes back to nothing, and not to where it was.
-            let shrinks = turns.is_empty()
-                && (size(&a.state, turns) / size(&b.state, turns) - 1.0).abs() > near.sqrt();
+            // What dies out comes back to nothing, and not to where it was. Where states that nothing depends on have got to says nothing.
+            let held = |index: usize| !workshop.closure.is_carried(index);
+            let [before, now] = [a, b].map(|instant| size(&instant.state, held));
+            let shrinks = turns.is_empty() && (before / now - 1.0).abs() > near.sqrt();
             if difference.distance <= near && !shrinks {
                 if found.is_none_or(|known| time((first, last)) < SOONER * time(known)) {
                     found = Some((first, last));
@@ -285,10 +286,10 @@ pub(super) fn is_phase(turns: &[Turn<f64>], index: usize) -> bool {
     turns.iter().any(|turn| turn.state == index)
 }
 
-/// The largest entry of a state but for its phases.
-fn size(state: &[f64], turns: &[Turn<f64>]) -> f64 {
+/// The largest entry of a state among those that count.
+fn size(state: &[f64], counts: impl Fn(usize) -> bool) -> f64 {
     let all = state.iter().enumerate();
-    all.filter(|(index, _)| !is_phase(turns, *index))
+    all.filter(|(index, _)| counts(*index))
         .fold(0.0, |size, (_, x)| size.max(x.abs()))
 }
 
@@ -362,17 +363,11 @@ fn is_next_to_nothing(
         let turned = latest.state[turn.state] - before.state[turn.state];
         turned.abs() <= DIED_OUT * turn.period
     };
-    let size = |state: &[f64]| {
-        let all = state.iter().zip(matters);
-        let seen: Vec<f64> = all
-            .map(|(x, &matters)| if matters { *x } else { 0.0 })
-            .collect();
-        size(&seen, turns)
-    };
+    let size_seen = |state: &[f64]| size(state, |index| matters[index] && !is_phase(turns, index));
     // Zero itself is what a reset makes of a state.
-    let here = size(&latest.state);
+    let here = size_seen(&latest.state);
     let mut seen = turns.iter().filter(|turn| matters[turn.state]);
-    here > 0.0 && here <= DIED_OUT * size(&most.0) && seen.all(stands)
+    here > 0.0 && here <= DIED_OUT * size_seen(&most.0) && seen.all(stands)
 }
 
 /// The cycle between two instants, where states have these sizes.
