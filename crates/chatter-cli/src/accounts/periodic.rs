@@ -4,7 +4,7 @@ use crate::aligned::{Side, aligned};
 use crate::failure::Failure;
 use crate::numbers::{Digits, concise, full as to_digits};
 use crate::terminal::Style;
-use chatter::analysis::periodic::{Branch, Orbit, Point, Special, SpecialKind};
+use chatter::analysis::periodic::{Branch, End, Orbit, Point, Special, SpecialKind};
 use chatter::numerics::{Complex, Real};
 use chatter_work::periodic::{Subject, arcs, events_of};
 
@@ -175,14 +175,17 @@ fn listed(subject: &Subject, branches: &[(String, &Branch)]) -> String {
         if neutral > 0 && is_branch {
             stability += &format!(" and {neutral} neutral");
         }
+        let ends = match &branch.ends {
+            // It has no ends but this one.
+            [End::Closed, End::Closed] => End::Closed.to_string(),
+            [first, last] => format!("{first}; {last}"),
+        };
         text += &format!(
-            "\n{}: {} orbits, {stability}, {name} from {} to {}\n  ends: {}; {}\n",
+            "\n{}: {} orbits, {stability}, {name} from {} to {}\n  ends: {ends}\n",
             heading,
             branch.points.len(),
             concise(low, DIGITS),
-            concise(high, DIGITS),
-            branch.ends[0],
-            branch.ends[1]
+            concise(high, DIGITS)
         );
         if branch.special.is_empty() {
             continue;

@@ -89,7 +89,8 @@ fn the_folds_of_duffings_oscillator_meet_in_a_cusp() {
     let cusp = curve.special[0].place;
     let [before, beyond] = [&curve.points[..cusp], &curve.points[cusp..]];
     let on = folds.iter().map(|fold| {
-        [&*curve.points, before, beyond].map(|part| is_on(&duffing, ["f", "w"], fold, part))
+        [&*curve.points, before, beyond]
+            .map(|part| is_on(&duffing, ["f", "w"], fold, ((1.1, 1.4), part)))
     });
     let on: Vec<[bool; 3]> = on.collect();
     assert!(on.iter().all(|&[all, ..]| all), "{on:?}");
@@ -101,7 +102,12 @@ fn the_folds_of_duffings_oscillator_meet_in_a_cusp() {
 }
 
 /// Whether a special point lies on a part of a curve.
-fn is_on(model: &Model, free: [&str; 2], special: &Special, points: &[Point]) -> bool {
+pub(super) fn is_on(
+    model: &Model,
+    free: [&str; 2],
+    special: &Special,
+    (range, points): ((f64, f64), &[Point]),
+) -> bool {
     let known = Known {
         kind: special.kind,
         monitor: special.monitor,
@@ -114,7 +120,7 @@ fn is_on(model: &Model, free: [&str; 2], special: &Special, points: &[Point]) ->
         .unwrap();
     let free = free.map(|name| model.parameter_index(name).unwrap());
     let limits = Limits {
-        range: (1.1, 1.4),
+        range,
         other: None,
         impacts: 60,
         points: 3000,

@@ -54,6 +54,7 @@ pub(crate) use changes::holds::{
     Broken, broken_beside, first_break, is_broken, least_beside, smallest,
 };
 pub(super) use changes::touch::{STAYS, Stay, VANISHED};
+pub(super) use ends::returns::{Began, passages, returned};
 pub(super) use kept::{Along, Kept, Ledger, Of, Stand, Standing, Then, damaged};
 pub(crate) use limits::station_at;
 pub(super) use onward::{beside, legal};

@@ -10,6 +10,7 @@ use crate::analysis::periodic::branch::{
     Standing, Then, broken_beside, damaged, first_break, least_beside, moved, station_at,
 };
 use crate::analysis::periodic::condition::{Bordered, Condition};
+use crate::analysis::periodic::cycle::itinerary::Passage;
 use crate::analysis::periodic::diary::{Diary, Told};
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::margins::leaves_at_border;
@@ -27,6 +28,8 @@ pub(super) struct Follower {
     /// The step that an impact without rate ends.
     pub grazing: Option<usize>,
     pub limits: Limits,
+    /// The station that the side began with, and the sequence of events there.
+    pub began: (Station, Vec<Passage>),
     pub points: Vec<Point>,
     pub special: Vec<Special>,
     /// Of a curve of doublings: the latest station, and the side on which the doubled orbits lie there.
@@ -35,6 +38,8 @@ pub(super) struct Follower {
     pub passed: Option<(Vec<f64>, usize)>,
 }
 
+/// So many steps are too few to come back.
+const FIRST: usize = 3;
 /// Borders are found anew where a curve has come this far, in steps.
 const RENEWED: usize = 8;
 /// Errors are no less than so many roundoffs of the parameter.
@@ -142,7 +147,7 @@ impl Follower {
                 }
             }
             steps += 1;
-            match self.step(&mut curve, &bordered) {
+            match self.step(&mut curve, &bordered, steps) {
                 Stop::On => {}
                 Stop::Anew(anew) => bordered = anew,
                 Stop::End(end) => break end,
@@ -182,7 +187,7 @@ impl Follower {
         }
     }
 
-    fn step(&mut self, curve: &mut Curve, bordered: &Bordered) -> Stop {
+    fn step(&mut self, curve: &mut Curve, bordered: &Bordered, made: usize) -> Stop {
         if self.has_shrunk(&curve.station) {
             let last = curve.station.clone();
             let vanishes = self.shrinks(&last);
@@ -245,6 +250,11 @@ impl Follower {
                     (next, step) = (station, ahead);
                 }
                 Some((broken, station, ahead)) => {
+                    if made > FIRST
+                        && let Some(end) = self.closes((&from, &station), ahead, bordered)
+                    {
+                        return Stop::End(end);
+                    }
                     if let Some(stop) = self.stay_ends(curve, (&station, ahead), bordered) {
                         return stop;
                     }
@@ -259,6 +269,11 @@ impl Follower {
             let stop = self.past_stay(curve, (&from, bordered));
             let stop = stop.or_else(|| self.leaps_to_end_of_stay(curve, (&from, bordered)));
             return stop.unwrap_or(Stop::End(end));
+        }
+        if made > FIRST
+            && let Some(end) = self.closes((&from, &next), step, bordered)
+        {
+            return Stop::End(end);
         }
         let edge = self.limits.beyond(next.parameter());
         if let Some(edge) = edge {
@@ -339,7 +354,7 @@ impl Follower {
     }
 
     /// Points of codimension two between two stations; the end, if the curve ends at one of them.
-    fn between(
+    pub(super) fn between(
         &mut self,
         from: &Station,
         (to, step): (&Station, f64),

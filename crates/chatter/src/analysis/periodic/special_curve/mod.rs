@@ -6,6 +6,7 @@
 //! degenerate   functions that vanish at points of codimension two
 //! border       curves of chatter borders, by the search for border orbits
 //! follower     one side of a curve, station by station
+//! closed       where it comes back to where it began
 //! at_turn      where a rate turns on a surface on which the force changes
 //! past_touch   on past where a surface is touched
 //! past_break   on past where the sequence of events changes otherwise, by the motion
@@ -16,6 +17,7 @@
 
 mod at_turn;
 pub(crate) mod border;
+mod closed;
 mod degenerate;
 mod follower;
 pub(super) mod passes;
@@ -25,7 +27,7 @@ pub(super) mod start;
 mod stay_end;
 mod up_to_graze;
 
-use super::branch::{Branch, End, Limits, Point, Side, Special, SpecialKind, joined};
+use super::branch::{Branch, End, Limits, Point, Side, Special, SpecialKind, joined, passages};
 use super::diary::Diary;
 use super::error::PeriodicError;
 use super::shooting::Workshop;
@@ -86,6 +88,7 @@ pub(crate) fn follow(
         let station = if forward { station } else { station.reversed() };
         shooting.evaluate(&station.at).map_err(failed)?;
         let mut follower = Follower {
+            began: (station.clone(), passages(&shooting)),
             shooting,
             kind: known.kind,
             condition: begun.condition,

@@ -12,8 +12,15 @@ use crate::analysis::periodic::shooting::Shooting;
 const SAME_ORBIT: f64 = 1e-8;
 
 /// What an orbit's sequence of events is.
-pub(in crate::analysis::periodic::branch) fn passages(shooting: &Shooting<f64>) -> Vec<Passage> {
+pub(in crate::analysis::periodic) fn passages(shooting: &Shooting<f64>) -> Vec<Passage> {
     shooting.steps.iter().map(|step| step.passage).collect()
+}
+
+/// The orbit that a side began with: nodes, times and parameters, and the sequence of events.
+#[derive(Clone, Copy)]
+pub(in crate::analysis::periodic) struct Began<'o> {
+    pub origin: &'o [f64],
+    pub passages: &'o [Passage],
 }
 
 /// Where a station is, seen from an orbit.
@@ -31,12 +38,15 @@ impl Shooting<f64> {
         let parameters = self.workshop.parameters(self.free(&station.at));
         let turns = self.workshop.closure.turns(&parameters).ok()?;
         let (sizes, scales) = (self.state_sizes(), self.scales());
-        let last = station.at.len() - 1;
-        let gone = (station.at[last] - origin[last]) / scales[last];
         let mut past = Past {
-            along: gone * station.tangent[last] / scales[last],
-            distance: gone.abs(),
+            along: 0.0,
+            distance: 0.0,
         };
+        for place in station.at.len() - self.parameters()..station.at.len() {
+            let gone = (station.at[place] - origin[place]) / scales[place];
+            past.along += gone * station.tangent[place] / scales[place];
+            past.distance = past.distance.max(gone.abs());
+        }
         let count = self.steps.len();
         for k in 0..count {
             let own = (k + by) % count;
@@ -51,48 +61,60 @@ impl Shooting<f64> {
         }
         Some(past)
     }
-}
 
-impl Walker {
-    /// Where the branch comes back, between two stations, to where it began: to the same orbit, told from any of its events; and how
-    /// far that is from the first. The parameter alone does not tell: where the branch began beside a fold a step goes past it, and to the
-    /// same side of where it began.
-    pub(in crate::analysis::periodic::branch) fn returns(
-        &mut self,
-        (from, to): (&Station, &Station),
-        step: f64,
-        began: &Walked,
-    ) -> Option<(Station, f64)> {
-        let own = passages(&self.shooting);
-        let (origin, kinds) = (&began.origin, &began.passages);
+    /// By how many events later orbits are told that two stations lie to either side of one for, and how far before it these are.
+    fn lie_around(&self, ends: (&Station, &Station), began: Began<'_>) -> Vec<(usize, (f64, f64))> {
+        let own = passages(self);
+        let (origin, kinds) = (began.origin, began.passages);
         let count = own.len();
         if count != kinds.len() {
-            return None;
+            return Vec::new();
         }
         let rotations =
             (0..count).filter(|by| (0..count).all(|k| own[(k + by) % count] == kinds[k]));
-        let shooting = &mut self.shooting;
-        for by in rotations {
-            let ends = (
-                shooting.past(from, (origin, by))?,
-                shooting.past(to, (origin, by))?,
-            );
-            if !(ends.0.along < 0.0 && ends.1.along >= 0.0) {
-                continue;
-            }
-            let reader = shooting.clone();
-            let mut past = |_: &mut dyn Problem<f64>, station: &Station| {
-                Some(-reader.past(station, (origin, by))?.along)
-            };
-            let ends = (-ends.0.along, -ends.1.along);
-            let Some((here, ahead)) = locate(shooting, from, step, ends, &mut past) else {
-                continue;
-            };
-            if shooting.past(&here, (origin, by))?.distance <= SAME_ORBIT {
-                return Some((here, ahead));
-            }
-        }
-        self.returns_elsewhere((from, to), step, began)
+        let passed = rotations.filter_map(|by| {
+            let left = |station| Some(-self.past(station, (origin, by))?.along);
+            let left = (left(ends.0)?, left(ends.1)?);
+            (left.0 > 0.0 && left.1 <= 0.0).then_some((by, left))
+        });
+        passed.collect()
+    }
+}
+
+/// Where a branch or a curve in two parameters comes back, between two stations, to where it began: to the same orbit, told from any of its
+/// events; and how far that is from the first. The parameters alone do not tell: where it began beside a fold a step goes past it, and to the
+/// same side of where it began. The problem is what is solved, the equations of the orbit among it.
+pub(in crate::analysis::periodic) fn returned(
+    problem: &mut dyn Problem<f64>,
+    shooting: &Shooting<f64>,
+    (ends, step): ((&Station, &Station), f64),
+    began: Began<'_>,
+) -> Option<(Station, f64)> {
+    let passed = shooting.lie_around(ends, began).into_iter();
+    { passed }.find_map(|(by, left)| {
+        let past = |station: &Station| shooting.past(station, (began.origin, by));
+        let found = locate(problem, ends.0, step, left, &mut |_, station| {
+            Some(-past(station)?.along)
+        });
+        found.filter(|(here, _)| past(here).is_some_and(|past| past.distance <= SAME_ORBIT))
+    })
+}
+
+impl Walker {
+    /// Where the branch comes back, between two stations, to where it began, and how far that is from the first.
+    pub(in crate::analysis::periodic::branch) fn returns(
+        &mut self,
+        ends: (&Station, &Station),
+        step: f64,
+        began: &Walked,
+    ) -> Option<(Station, f64)> {
+        let known = Began {
+            origin: &began.origin,
+            passages: &began.passages,
+        };
+        let reader = self.shooting.clone();
+        returned(&mut self.shooting, &reader, (ends, step), known)
+            .or_else(|| self.returns_elsewhere(ends, step, began))
     }
 
     /// The same of an orbit that is told from one of its crossings of the section: it may come back with another of them for that one.
