@@ -4,7 +4,7 @@ use super::cycle::itinerary::Step;
 use super::cycle::trace::{Instant, Tracer};
 use super::error::PeriodicError;
 use super::orbit::{cleaned, failed, told_start};
-use super::shooting::{Shooting, Workshop};
+use super::shooting::{INCOMPLETE, Shooting, Workshop};
 use crate::analysis::continuation::{NewtonError, Problem};
 use crate::analysis::universal::{ChatterMap, Constants};
 use crate::flow::{Closed, GuardKind};
@@ -190,11 +190,13 @@ const AT_BORDER: f64 = 1e-3;
 
 /// Whether equations that Newton's method leaves near a solution are left at a chatter border.
 pub(super) fn leaves_at_border(shooting: &Shooting<f64>, at: &[f64], error: &NewtonError) -> bool {
-    let is_left = matches!(error, NewtonError::Left(_));
+    // Whatever else has no meaning beyond, as a table without more rows, says nothing of chatter.
+    let is_left = matches!(error, NewtonError::Left(left) if left.what == INCOMPLETE);
     shooting.steps.iter().any(Step::is_stretch) && is_at_border(shooting, at, is_left)
 }
 
-/// Whether an orbit is released as its complete chatter ends, as far as numbers can tell; whether its equations are left there.
+/// Whether an orbit is released as its complete chatter ends, as far as numbers can tell; whether its equations are left there for chatter that has no
+/// end.
 fn is_at_border(shooting: &Shooting<f64>, at: &[f64], is_left: bool) -> bool {
     // Beside rounding chatter may seem incomplete, and nothing be released after it.
     let released_at_once = match shortest_contact(shooting, at) {

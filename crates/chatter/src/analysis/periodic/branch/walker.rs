@@ -179,8 +179,9 @@ impl Walker {
                         continue;
                     }
                     self.settle(&curve.station);
-                    if leaves_at_border(&self.shooting, &curve.station.at, &error) {
-                        self.note_border(&here, &curve.station);
+                    if leaves_at_border(&self.shooting, &curve.station.at, &error)
+                        && self.note_border(&here, &curve.station)
+                    {
                         break End::ChatterBorder;
                     }
                     let longer = self.comes_to_rest(&curve.station);
@@ -566,14 +567,10 @@ impl Walker {
     }
 
     /// Notes a chatter border that a branch has come to: near it orbits are known the less the nearer they are, and the border orbit
-    /// itself is found by its own equations, where these can be set up.
-    fn note_border(&mut self, here: &Point, station: &Station) {
+    /// itself is found by its own equations, where these can be set up. Whether there is one: nothing says so where it may be farther
+    /// away than a step.
+    fn note_border(&mut self, here: &Point, station: &Station) -> bool {
         let value = station.parameter();
-        let error = BESIDE_BORDER * value.abs();
-        self.note(SpecialKind::ChatterBorder, here, &station.at, error, 0.0);
-        if let Some(special) = self.special.last_mut() {
-            special.leaves.clone_from(&station.tangent);
-        }
         let workshop = &self.shooting.workshop;
         let mut spec = BorderSpec::new(&workshop.model.parameters[workshop.free[0]].name);
         spec.samples = BORDER_SAMPLES;
@@ -583,11 +580,18 @@ impl Walker {
         );
         let found = borders_in::<f64>(&workshop.model, &spec, low, high);
         let nearest = found.ok().and_then(|found| found.nearest(value));
+        let mut error = BESIDE_BORDER * value.abs();
         if nearest.is_none()
             && let Some(distance) = self.distance_to_border(station)
-            && let Some(special) = self.special.last_mut()
         {
-            special.error = special.error.max(BORDER_ROOM * distance);
+            error = error.max(BORDER_ROOM * distance);
+            if error > self.limits.longest_step * station.parameter_slope().abs() {
+                return false;
+            }
+        }
+        self.note(SpecialKind::ChatterBorder, here, &station.at, error, 0.0);
+        if let Some(special) = self.special.last_mut() {
+            special.leaves.clone_from(&station.tangent);
         }
         if let (Some(border), Some(special)) = (nearest, self.special.last_mut()) {
             special.error = border.value.error;
@@ -605,6 +609,7 @@ impl Walker {
                 *parameter = border.value.value;
             }
         }
+        true
     }
 
     /// How far the parameter is from a border, by its coordinate, which vanishes linearly, there and a little before; where that cannot be

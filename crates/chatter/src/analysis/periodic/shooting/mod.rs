@@ -124,6 +124,8 @@ const AT_NODES_ALONE: f64 = 1e-9;
 const NEARLY_TOGETHER: f64 = 1e-3;
 /// Fields on both sides of a surface are one there if they differ by less than this part of them, or of what moves states in a period.
 const SAME_FIELD: f64 = 1e-9;
+/// Why equations are left where chatter that is followed as a whole does not come to its end.
+pub(in crate::analysis::periodic) const INCOMPLETE: &str = "chatter is not complete";
 /// A leg that would take this many times as long as its guess is given up.
 pub(in crate::analysis::periodic) const LONGEST: f64 = 4.0;
 
@@ -512,7 +514,7 @@ impl<R: Real> Shooting<R> {
                         Astray::Failed(error) => {
                             Left::because(error.named(&self.workshop.model))
                         }
-                        Astray::Otherwise => Left::because("chatter is not complete"),
+                        Astray::Otherwise => Left::because(INCOMPLETE),
                         Astray::Crosses => Left::because(
                             "derivatives are not carried through complete chatter whose flights cross a surface",
                         ),

@@ -242,3 +242,99 @@ fn a_block_begins_to_rock_where_an_edge_carries_nothing() {
     assert_eq!(found[0].ends, [End::Range, End::Range]);
     assert_eq!(found[0].points.last().unwrap().impacts, None);
 }
+
+/// A cam, a tappet and a valve on its seat: all rest at the foot of the cam, which forgets how they came there. The preload of the valve is known
+/// up to p = 2.
+const TAPPET: &str = r#"
+[parameters]
+omega = 6.0
+p = 1.0
+lift = 0.01
+mt = 0.1
+mv = 0.2
+kv = 1000.0
+Fv = 8.0
+kt = 200.0
+Ft = 1.5
+c = 2.0
+cl = 0.0005
+r1 = 0.4
+r2 = 0.3
+[definitions]
+cam = "lift*((1 - cos(a))/2)^2"
+[flight]
+yt = "vt"
+vt = "(-kt*yt - Ft - c*vt)/mt"
+yv = "vv"
+vv = "(-kv*yv - Fv*push(p) - c*vv)/mv"
+a = "omega"
+[[contact]]
+name = "cam"
+gap = "yt - cam"
+impulse = { vt = 1 }
+restitution = "r1"
+[[contact]]
+name = "stem"
+gap = "yv - yt + cl"
+impulse = { vt = "-1/mt", vv = "1/mv" }
+restitution = "r2"
+[[contact]]
+name = "seat"
+gap = "yv"
+impulse = { vv = 1 }
+restitution = "r2"
+[section.bottom]
+surface = "sin(a)"
+direction = "rising"
+[initial]
+yt = 0
+vt = 0
+yv = 0
+vv = 0
+a = 0
+[table.push]
+x = [0, 1, 2]
+y = [1, 1, 1.3]
+kind = "linear"
+"#;
+
+/// In which order the contacts come to rest is another at each speed.
+#[test]
+fn contacts_in_series_that_rest_at_all_speeds_have_no_border() {
+    for (start, longest) in [("9", 0.5), ("9.3", 0.2)] {
+        let model = with(TAPPET, &[("omega", start)]);
+        let found = over(&model, "omega", (9.0, 9.4), (40, longest));
+        let [branch] = &*found else {
+            panic!("{found:?}");
+        };
+        assert_eq!(branch.ends, [End::Range, End::Range], "from {start}");
+        assert!(branch.special.is_empty(), "{:?}", branch.special);
+        for point in &branch.points {
+            assert!(point.multipliers.iter().all(|m| m.re == 0.0 && m.im == 0.0));
+        }
+        let at = |point: &chatter::analysis::periodic::Point| *point.parameters.last().unwrap();
+        let edges = [branch.points.first(), branch.points.last()].map(|point| at(point.unwrap()));
+        assert!(
+            (edges[0] - 9.0).abs() < 1e-6 && (edges[1] - 9.4).abs() < 1e-6,
+            "{edges:?}"
+        );
+    }
+}
+
+/// Chatter that nothing is released after ends by what strikes there. Where a table ends the equations are left for another reason than
+/// chatter which is not complete.
+#[test]
+fn the_end_of_a_table_is_no_border_of_chatter() {
+    let found = over(&with(TAPPET, &[("p", "1.9")]), "p", (1.8, 2.5), (40, 0.2));
+    let [branch] = &*found else {
+        panic!("{found:?}");
+    };
+    assert!(branch.special.is_empty(), "{:?}", branch.special);
+    assert!(
+        matches!(&branch.ends, [End::Range, End::Lost(what)] if !what.contains("chatter")),
+        "{:?}",
+        branch.ends
+    );
+    let last = branch.points.last().unwrap().parameters.last().unwrap();
+    assert!((last - 2.0).abs() < 1e-6, "{last}");
+}
