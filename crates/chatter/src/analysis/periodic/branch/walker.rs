@@ -17,6 +17,7 @@ use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::margins::{border_coordinate, leaves_at_border, shortest_contact};
 use crate::analysis::periodic::orbit::cleaned;
 use crate::analysis::periodic::shooting::Shooting;
+use crate::analysis::periodic::solved::NOISE;
 
 /// One side of a branch.
 pub(in crate::analysis::periodic) struct Side {
@@ -468,10 +469,11 @@ impl Walker {
         // The latest that tells, or else the longest way.
         let known = ways.clone().find(|way| way.abs() > HEADED * scale);
         let known = known.or_else(|| ways.max_by(|a, b| a.abs().total_cmp(&b.abs())));
-        let by = known
-            .filter(|way| way.abs() > STANDS * scale)
-            .unwrap_or(station.parameter_slope());
-        (by.abs() > STANDS * scale).then_some(by)
+        // A direction stands still where what has been gone, more than rounding of the value, does not.
+        let slope = station.parameter_slope();
+        known
+            .filter(|way| way.abs() > NOISE * f64::EPSILON * value.abs())
+            .or((slope.abs() > STANDS * scale).then_some(slope))
     }
 
     /// From a station to where, on the way to the next, the parameter leaves its range.
