@@ -7,6 +7,12 @@ use crate::numerics::{DoubleDouble, Real};
 
 /// The last correction of Newton's method is a sample of what rounding does; errors are so many of it.
 pub(super) const NOISE: f64 = 16.0;
+
+/// What rounding makes of a parameter.
+pub(super) fn roundoff(parameter: f64) -> f64 {
+    NOISE * f64::EPSILON * parameter.abs()
+}
+
 /// No rounding makes a larger correction, against the sizes of the unknowns.
 const ROUNDED: f64 = 1e-7;
 
@@ -42,12 +48,11 @@ impl Shooting<f64> {
     /// correction, which derivatives in doubles make necessary, tells how far the first one is to be trusted.
     pub(crate) fn refined(&self, bordered: &Bordered, found: Corrected<f64>) -> Solved {
         let parameter = found.at.last().copied().unwrap_or_default();
-        let roundoff = NOISE * f64::EPSILON * parameter.abs();
         let scale = self.scales().last().copied().unwrap_or(1.0);
         let mut solved = Solved {
             residual: found.residual,
             correction: found.correction,
-            error: roundoff.max(NOISE * found.correction * scale),
+            error: roundoff(parameter).max(NOISE * found.correction * scale),
             told: found.at.clone(),
             at: found.at,
         };
@@ -73,7 +78,7 @@ impl Shooting<f64> {
             }
             (at.iter_mut().zip(&by)).for_each(|(x, &by)| *x -= DoubleDouble::from(by));
             latest = most;
-            solved.error = roundoff.max(off);
+            solved.error = roundoff(parameter).max(off);
         }
         solved.told = at.iter().map(|x| x.to_f64()).collect();
         solved

@@ -11,7 +11,7 @@ use crate::analysis::periodic::multipliers::{
     passes_together, straddles,
 };
 use crate::analysis::periodic::shooting::Shooting;
-use crate::analysis::periodic::solved::{NOISE, Solved};
+use crate::analysis::periodic::solved::{Solved, roundoff};
 use crate::numerics::Complex;
 
 /// What changed its sign between two stations, and its values there.
@@ -285,7 +285,7 @@ impl Walker {
         let value = from.parameter();
         let slopes = [from, to].map(|station| station.parameter_slope().abs());
         slopes.iter().all(|slope| *slope <= STANDS * scale)
-            && (to.parameter() - value).abs() <= NOISE * f64::EPSILON * value.abs()
+            && (to.parameter() - value).abs() <= roundoff(value)
     }
 
     /// Below this a function of the user's is not told from zero.
@@ -421,7 +421,7 @@ impl Walker {
             take(found);
         }
         if let Passed::Torus(_, off) = passed {
-            error = off.max(NOISE * f64::EPSILON * rough.abs());
+            error = off.max(roundoff(rough));
         }
         if let Some(Seed { mut shooting, at }) = at_section {
             refined.at = at;

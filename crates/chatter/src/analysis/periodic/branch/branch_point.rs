@@ -5,7 +5,7 @@ use super::{End, Point, SpecialKind};
 use crate::analysis::continuation::{Corrected, Problem, Station, meeting, other_direction};
 use crate::analysis::periodic::multipliers::is_near;
 use crate::analysis::periodic::orbit::shorter;
-use crate::analysis::periodic::solved::NOISE;
+use crate::analysis::periodic::solved::{NOISE, roundoff};
 
 impl Walker {
     /// A point where branches meet. The equations are singular there, so it is found from stations around it: the
@@ -20,7 +20,7 @@ impl Walker {
     ) -> Option<End> {
         self.settle(from);
         let turns = before * after < 0.0;
-        let noise = |station: &Station| NOISE * f64::EPSILON * station.parameter().abs();
+        let noise = |station: &Station| roundoff(station.parameter());
         let scale = self.shooting.scales()[from.at.len() - 1];
         let (mut low, mut high) = (0.0, step);
         let mut rough: Option<Fitted> = None;

@@ -17,7 +17,7 @@ use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::margins::{border_coordinate, leaves_at_border, shortest_contact};
 use crate::analysis::periodic::orbit::cleaned;
 use crate::analysis::periodic::shooting::Shooting;
-use crate::analysis::periodic::solved::NOISE;
+use crate::analysis::periodic::solved::roundoff;
 
 /// One side of a branch.
 pub(in crate::analysis::periodic) struct Side {
@@ -472,7 +472,7 @@ impl Walker {
         // A direction stands still where what has been gone, more than rounding of the value, does not.
         let slope = station.parameter_slope();
         known
-            .filter(|way| way.abs() > NOISE * f64::EPSILON * value.abs())
+            .filter(|way| way.abs() > roundoff(value))
             .or((slope.abs() > STANDS * scale).then_some(slope))
     }
 

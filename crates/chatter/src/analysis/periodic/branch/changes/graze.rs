@@ -10,7 +10,7 @@ use crate::analysis::periodic::condition::Bordered;
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::orbit::shorter;
 use crate::analysis::periodic::shooting::{Exchanged, Shooting, station_after};
-use crate::analysis::periodic::solved::NOISE;
+use crate::analysis::periodic::solved::roundoff;
 use crate::flow::GuardKind;
 use crate::flow::leg::Least;
 
@@ -656,7 +656,7 @@ impl Walker {
 /// How far the parameter has gone between two stations, if that is more than rounding of it: all orbits of a family may have one value.
 fn gone((from, to): (&Station, &Station)) -> Option<f64> {
     let by = to.parameter() - from.parameter();
-    (by.abs() > NOISE * f64::EPSILON * to.parameter().abs()).then_some(by)
+    (by.abs() > roundoff(to.parameter())).then_some(by)
 }
 
 /// Whether the height of a flight can be told from rounding of the terms that the gap is the sum of.

@@ -9,7 +9,7 @@ use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::analysis::periodic::multipliers::is_near;
 use crate::analysis::periodic::orbit::shorter;
 use crate::analysis::periodic::shooting::Shooting;
-use crate::analysis::periodic::solved::NOISE;
+use crate::analysis::periodic::solved::{NOISE, roundoff};
 use crate::flow::leg::{Jump, LegKind};
 
 /// On both sides of a surface the field is linear alike up to this part of its slopes.
@@ -117,7 +117,7 @@ impl Walker {
         *along.last_mut()? = scale;
         let leaves = other_direction(&mut rest, &station.at, &along);
         let parameter = station.parameter();
-        let error = (NOISE * f64::EPSILON * parameter.abs())
+        let error = roundoff(parameter)
             .max(NOISE * found.correction * scale)
             .max(unlike / largest * parameter.abs());
         let own = core::mem::replace(&mut self.shooting, rest);
