@@ -9,6 +9,7 @@ import subprocess
 import time
 import urllib.request
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -135,12 +136,19 @@ def browser() -> Iterator[Browser]:
         browser.close()
 
 
-@pytest.fixture
-def view(browser: Browser, explorer: Explorer, request: pytest.FixtureRequest) -> Iterator[View]:
-    wide, high = getattr(request, "param", (1440, 1000))
+@contextmanager
+def viewed(browser: Browser, explorer: Explorer, size: tuple[int, int] = (1440, 1000)) -> Iterator[View]:
+    """A page that nothing is shown on yet; in the end it has had no fault."""
+    wide, high = size
     context = browser.new_context(viewport={"width": wide, "height": high}, accept_downloads=True)
     view = View(context.new_page(), explorer)
     yield view
     # What is aborted by hand is told by the browser itself.
     assert [fault for fault in view.faults if "ERR_" not in fault] == []
     context.close()
+
+
+@pytest.fixture
+def view(browser: Browser, explorer: Explorer, request: pytest.FixtureRequest) -> Iterator[View]:
+    with viewed(browser, explorer, getattr(request, "param", (1440, 1000))) as view:
+        yield view
