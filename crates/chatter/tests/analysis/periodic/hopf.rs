@@ -230,7 +230,11 @@ fn a_limit_cycle_is_followed_to_where_it_is_born_by_long_steps() {
     let (k, h, e, m) = (3.994, 0.5831, 0.7, 0.3084);
     let x = (h * k - 1.0) / (2.0 * h);
     let expected = e * x / (1.0 + h * x) - m;
-    for size in [1e-3, 1.0, 1e3] {
+    for (size, steps) in [
+        (1e-3, &[0.1][..]),
+        (1.0, &[0.01, 0.05, 0.1]),
+        (1e3, &[0.05]),
+    ] {
         let parameters = "q = 0.5236";
         let prey = format!("x*(1 - x/{k}) - x*y/(1 + {h}*x)");
         let predator = format!("{e}*x*y/(1 + {h}*x) - {m}*y - q*step(y - 0.6573)*y");
@@ -244,7 +248,7 @@ fn a_limit_cycle_is_followed_to_where_it_is_born_by_long_steps() {
             (1.0, 0.6 * size),
         );
         let text = text.replace("falling", "rising");
-        for step in [0.01, 0.05, 0.1] {
+        for &step in steps {
             let found = over(&with(&text, &[]), "q", (0.1, 0.8), (8, step));
             let branch = &found[0];
             assert_eq!(branch.ends, [End::Range, End::Equilibrium], "{size} {step}");

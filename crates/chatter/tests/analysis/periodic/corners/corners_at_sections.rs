@@ -98,12 +98,7 @@ fn a_square_wave_tells_once_around_at_all_frequencies() {
 /// both rounding has come first: the period is that of the forcing, and the rate at the other wall that of the flight from rest, by DOP853.
 #[test]
 fn chatter_that_two_corners_of_one_clock_end_is_found() {
-    for (w, rate) in [
-        ("0.655", 0.851_324_93),
-        ("0.66", 0.847_879_6),
-        ("0.661", 0.847_188_36),
-        ("0.68", 0.833_914_56),
-    ] {
+    for (w, rate) in [("0.655", 0.851_324_93), ("0.661", 0.847_188_36)] {
         for section in [
             "",
             "[section.s]\nsurface = 'sin(W*t)'\ndirection = 'rising'\n",

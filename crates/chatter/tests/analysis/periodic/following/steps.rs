@@ -206,8 +206,8 @@ restitution = 0.6
 x = 1.5
 v = 0.8
 "#;
-    let range = (0.15, 0.5);
-    let found = over(&with(text, &[]), "g", range, (40, 0.05));
+    let range = (0.2, 0.5);
+    let found = over(&with(text, &[]), "g", range, (16, 0.05));
     assert!(found.len() > 1);
     for branch in &found {
         for special in &branch.special {
