@@ -424,7 +424,7 @@ impl<S: Scalar> Expansion<S> {
                 // There is no coefficient after the last.
                 Op::Rate { .. } => {}
                 Op::Multiply { out, left, right } => {
-                    let value = convolve(self.part(left, 0, k + 1), self.part(right, 0, k + 1));
+                    let value = S::convolve(self.part(left, 0, k + 1), self.part(right, 0, k + 1));
                     self.set(out, k, value);
                 }
                 Op::Square { out, base } => {
@@ -446,7 +446,8 @@ impl<S: Scalar> Expansion<S> {
                         self.set(out, 0, value);
                     } else {
                         let inverse = self.auxiliaries[inverse];
-                        let rest = convolve(self.part(out, 0, k), self.part(denominator, 1, k + 1));
+                        let rest =
+                            S::convolve(self.part(out, 0, k), self.part(denominator, 1, k + 1));
                         let rest = -(rest * inverse);
                         let value = match numerator {
                             Operand::Series(slot) => self.get(slot, k).mul_add(inverse, rest),
@@ -571,7 +572,8 @@ impl<S: Scalar> Expansion<S> {
     /// 1/k sum_{j=1..k} j a_j w_{k-j}, the newest coefficient of a, which the slope need not be asked for, apart from the others.
     #[inline(always)]
     fn integral(&self, (slope, argument, weight): (usize, usize, usize), k: usize) -> S {
-        let rest = convolve(self.part(slope, 1, k), self.part(weight, 1, k)) * self.reciprocals[k];
+        let rest =
+            S::convolve(self.part(slope, 1, k), self.part(weight, 1, k)) * self.reciprocals[k];
         self.get(argument, k).mul_add(self.get(weight, 0), rest)
     }
 
@@ -587,7 +589,7 @@ impl<S: Scalar> Expansion<S> {
     fn self_pairs(&self, slot: usize, first: usize, k: usize) -> (S, S) {
         let half = k.div_ceil(2);
         let pairs = if half > first {
-            convolve(
+            S::convolve(
                 self.part(slot, first, half),
                 self.part(slot, k + 1 - half, k + 1 - first),
             )
@@ -633,34 +635,6 @@ impl<S: Scalar> Expansion<S> {
         }
         two_sum(sum, error)
     }
-}
-
-/// sum_i a_i b_{n-1-i}, in an order that is the same for every number type.
-///
-/// The outermost products come last: one of them holds the coefficient that was computed just before, and the rest of
-/// the sum need not wait for it.
-#[inline(always)]
-pub(super) fn convolve<S: Scalar>(a: &[S], b: &[S]) -> S {
-    let n = a.len();
-    let (Some(&first), Some(&last)) = (a.first(), b.get(n.wrapping_sub(1))) else {
-        return S::splat(0.0);
-    };
-    if n == 1 {
-        return first * last;
-    }
-    let mut even = S::splat(0.0);
-    let mut odd = S::splat(0.0);
-    let mut left = a[1..n - 1].chunks_exact(2);
-    let mut right = b[1..n - 1].rchunks_exact(2);
-    for (pair, mirrored) in left.by_ref().zip(right.by_ref()) {
-        even = pair[0].mul_add(mirrored[1], even);
-        odd = pair[1].mul_add(mirrored[0], odd);
-    }
-    if let ([middle], [mirrored]) = (left.remainder(), right.remainder()) {
-        even = middle.mul_add(*mirrored, even);
-    }
-    let sum = a[n - 1].mul_add(b[0], even + odd);
-    first.mul_add(last, sum)
 }
 
 #[inline(always)]

@@ -14,7 +14,7 @@
 
 use super::graph::{Expr, Function};
 use super::machine::Compiled;
-use super::series::{Expansion, convolve};
+use super::series::Expansion;
 use super::tape::{Op, Operand, Tape};
 use crate::numerics::polynomial::sizes;
 use crate::numerics::{Mask, Real, Scalar};
@@ -633,7 +633,7 @@ fn nearest_zero<S: Scalar>(a: &[S], scratch: &mut [S]) -> (S, S::Mask) {
     let mut finite = S::Mask::splat(true);
     for k in 0..order {
         // (k + 1) a_(k+1) = -sum_{j=0..k} q_j a_(k-j)
-        let rest = convolve(&scratch[..k], &a[1..=k]);
+        let rest = S::convolve(&scratch[..k], &a[1..=k]);
         let sum = (a[k + 1].mul_add(S::splat((k + 1) as f64), rest)) * inverse;
         scratch[k] = -sum;
         finite = finite & sum.is_finite();

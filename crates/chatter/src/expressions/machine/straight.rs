@@ -163,7 +163,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// sum_{i=0..n-1} a_{first + i} b_{last - i}, in the order of [`convolve`](crate::expressions::series::convolve).
+    /// sum_{i=0..n-1} a_{first + i} b_{last - i}, in the order of [`convolve`](crate::numerics::Scalar::convolve).
     fn convolution(
         &mut self,
         sum: Group,

@@ -75,6 +75,33 @@ pub trait Scalar:
         let shadow = sum - self;
         (sum, (self - (sum - shadow)) + (other - shadow))
     }
+    /// sum_i a_i b_{n-1-i} of two sequences of n: a coefficient of a product of series.
+    ///
+    /// The outermost products come last: one of them holds the coefficient that was computed just before, and the rest of
+    /// the sum need not wait for it.
+    #[inline(always)]
+    fn convolve(a: &[Self], b: &[Self]) -> Self {
+        let n = a.len();
+        let (Some(&first), Some(&last)) = (a.first(), b.get(n.wrapping_sub(1))) else {
+            return Self::splat(0.0);
+        };
+        if n == 1 {
+            return first * last;
+        }
+        let mut even = Self::splat(0.0);
+        let mut odd = Self::splat(0.0);
+        let mut left = a[1..n - 1].chunks_exact(2);
+        let mut right = b[1..n - 1].rchunks_exact(2);
+        for (pair, mirrored) in left.by_ref().zip(right.by_ref()) {
+            even = pair[0].mul_add(mirrored[1], even);
+            odd = pair[1].mul_add(mirrored[0], odd);
+        }
+        if let ([middle], [mirrored]) = (left.remainder(), right.remainder()) {
+            even = middle.mul_add(*mirrored, even);
+        }
+        let sum = a[n - 1].mul_add(b[0], even + odd);
+        first.mul_add(last, sum)
+    }
     /// Absolute value.
     fn abs(self) -> Self;
     /// Square root; NaN below zero.

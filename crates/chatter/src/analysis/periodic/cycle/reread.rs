@@ -92,10 +92,10 @@ fn sizes_along(
     turns: &[Turn<f64>],
 ) -> Vec<f64> {
     let mut sizes = sizes(states(instants).chain([last]), turns);
-    for pair in instants.windows(2) {
-        let way = (&*pair[0].state, pair[1].time - pair[0].time);
-        take_in_moves(&mut sizes, (&workshop.model, parameters), way);
-    }
+    let ways = instants
+        .windows(2)
+        .map(|pair| (&*pair[0].state, pair[1].time - pair[0].time));
+    take_in_moves(&mut sizes, (&workshop.model, parameters), ways);
     for turn in turns {
         sizes[turn.state] = turn.period;
     }

@@ -326,9 +326,8 @@ impl Most {
         turns: &[Turn<f64>],
     ) -> Vec<f64> {
         let mut sizes = self.sizes(ways.iter().map(|(state, _)| *state), turns);
-        for &(state, time) in ways {
-            take_in_moves(&mut sizes, (&workshop.model, parameters), (state, time));
-        }
+        let ways = ways.iter().map(|&(state, time)| (&**state, time));
+        take_in_moves(&mut sizes, (&workshop.model, parameters), ways);
         for turn in turns {
             sizes[turn.state] = turn.period;
         }

@@ -43,6 +43,7 @@ use super::closure::{Closure, Lap, Turn};
 use super::cycle::itinerary::{Passage, Step, around, held};
 use super::error::PeriodicError;
 use crate::analysis::continuation::Left;
+use crate::expressions::Expr;
 use crate::flow::leg::{Astray, Flyer, Follower, Jump, Landing, Least, Leg, LegKind, Stretch};
 use crate::flow::{Closed, GuardKind, Settings};
 use crate::model::Model;
@@ -59,17 +60,21 @@ pub(crate) fn without_zeros(mut sizes: Vec<f64>) -> Vec<f64> {
     sizes
 }
 
-/// Sizes of states, each no less than how far it moves from a state in a time: a position is zero at all its impacts, yet has a size.
-pub(crate) fn take_in_moves(
+/// Sizes of states, each no less than how far it moves from states in a time each: a position is zero at all its impacts, yet has a size.
+pub(crate) fn take_in_moves<'s>(
     sizes: &mut [f64],
     (model, parameters): (&Model, &[f64]),
-    (state, time): (&[f64], f64),
+    ways: impl IntoIterator<Item = (&'s [f64], f64)>,
 ) {
-    for (size, of) in sizes.iter_mut().zip(&model.states) {
-        let rate = model.graph.evaluate(of.derivative, state, parameters);
-        let moves = (rate * time).abs();
-        if moves.is_finite() {
-            *size = size.max(moves);
+    let rates: Vec<Expr> = model.states.iter().map(|of| of.derivative).collect();
+    let parts = model.graph.reachable(&rates);
+    for (state, time) in ways {
+        let rates = (model.graph).evaluate_parts(&parts, &rates, (state, parameters));
+        for (size, rate) in sizes.iter_mut().zip(rates) {
+            let moves = (rate * time).abs();
+            if moves.is_finite() {
+                *size = size.max(moves);
+            }
         }
     }
 }
@@ -227,14 +232,19 @@ impl<R: Real> Shooting<R> {
             for (size, x) in sizes.iter_mut().zip(&step.start) {
                 *size = size.max(x.abs());
             }
-            let way = (&*step.start, step.duration);
-            take_in_moves(&mut sizes, (model, &parameters), way);
         }
+        let ways = (self.steps.iter()).map(|step| (&*step.start, step.duration));
+        take_in_moves(&mut sizes, (model, &parameters), ways);
         // Nor is one next to nothing that vanishes at all nodes together with its rate, but for rounding: others move it. (What is followed
         // as a whole shrinks to nothing where chatter begins.)
         let is_followed = !self.steps.iter().any(Step::is_stretch);
         for (index, state) in model.states.iter().enumerate().filter(|_| is_followed) {
-            let rate = |at: &[f64]| model.graph.evaluate(state.derivative, at, &parameters);
+            let of = [state.derivative];
+            let parts = model.graph.reachable(&of);
+            let rate = |at: &[f64]| {
+                let known = (at, &*parameters);
+                model.graph.evaluate_parts(&parts, &of, known)[0]
+            };
             let moved = self.steps.iter().fold(0.0_f64, |most, step| {
                 let beside: Vec<f64> = (step.start.iter().zip(&sizes))
                     .map(|(x, size)| x + size)

@@ -231,7 +231,7 @@ impl Compiler<'_> {
         self.code.bind(done);
     }
 
-    /// sum_i a_i b_{n-1-i} in the sums, in the order of [`convolve`](crate::expressions::series::convolve).
+    /// sum_i a_i b_{n-1-i} in the sums, in the order of [`convolve`](crate::numerics::Scalar::convolve).
     ///
     /// Of the first series coefficients count from one place on; of the second they end where together they are of the
     /// present order.
