@@ -550,9 +550,9 @@ impl<S: Scalar> Expansion<S> {
     fn sum(&self, constants: &[S], terms: &[(usize, usize)], k: usize) -> S {
         let mut sum = S::splat(0.0);
         for &(coefficient, slot) in terms {
-            sum = constants[coefficient].mul_add(self.get(slot, k), sum);
+            sum = sum.plus_product(constants[coefficient], self.get(slot, k));
         }
-        sum
+        sum.summed()
     }
 
     /// That combination times a factor. The last term is the one that is computed last: nothing but its own product waits for it.

@@ -247,17 +247,27 @@ impl Scalar for DoubleDouble {
     /// Products, and sums of what is greatest in them, are exact; what these leave is summed as doubles. That is what a sum of rounded
     /// products is good for (Ogita, Rump & Oishi 2005), while from one product to the next nothing waits but an addition.
     #[inline(always)]
-    fn convolve(a: &[Self], b: &[Self]) -> Self {
-        let (mut sum, mut rest) = (0.0, 0.0);
-        for (a, b) in a.iter().zip(b.iter().rev()) {
-            let (product, lost) = two_product(a.high, b.high);
-            let cross = a.high.mul_add(b.low, a.low * b.high);
-            let (total, more) = two_sum(sum, product);
-            rest += (lost + cross) + more;
-            sum = total;
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        let (product, lost) = two_product(a.high, b.high);
+        let cross = a.high.mul_add(b.low, a.low * b.high);
+        let (high, more) = two_sum(self.high, product);
+        Self {
+            high,
+            low: self.low + ((lost + cross) + more),
         }
-        let (high, low) = two_sum(sum, rest);
+    }
+    #[inline(always)]
+    fn summed(self) -> Self {
+        let (high, low) = two_sum(self.high, self.low);
         Self::renormalised(high, low)
+    }
+    #[inline(always)]
+    fn convolve(a: &[Self], b: &[Self]) -> Self {
+        let mut sum = Self::ZERO;
+        for (&a, &b) in a.iter().zip(b.iter().rev()) {
+            sum = sum.plus_product(a, b);
+        }
+        sum.summed()
     }
     fn abs(self) -> Self {
         if self.high < 0.0 { -self } else { self }

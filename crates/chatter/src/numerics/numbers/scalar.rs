@@ -75,6 +75,16 @@ pub trait Scalar:
         let shadow = sum - self;
         (sum, (self - (sum - shadow)) + (other - shadow))
     }
+    /// `self + a * b` where more of these follow: the sum is a number as others once it is [`summed`](Self::summed).
+    #[inline(always)]
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        a.mul_add(b, self)
+    }
+    /// What has been summed by [`plus_product`](Self::plus_product).
+    #[inline(always)]
+    fn summed(self) -> Self {
+        self
+    }
     /// sum_i a_i b_{n-1-i} of two sequences of n: a coefficient of a product of series.
     ///
     /// The outermost products come last: one of them holds the coefficient that was computed just before, and the rest of
