@@ -88,6 +88,10 @@ def test_a_periodic_orbit_returns_to_where_it_started():
     free = ch.Model('[flight]\nx = "v"\nv = "cos(2*t) - x"\n[initial]\nx = 0\nv = 0\n')
     (orbit,) = free.orbits(1, starts=5, period="pi")
     assert orbit.neutral and not orbit.stable and "neutral" in repr(orbit)
+    text = '[parameters]\nw = 1.637\nc = 0\n[flight]\nx = "v"\nv = "cos(w*t) - c*v - x"\n[initial]\nx = 0\nv = 0\n'
+    for damping, stable, neutral in [(0, False, True), (0.1, True, False), (-0.1, False, False)]:
+        (branch,) = ch.Model(text).with_values(c=damping).branches(w=(1.6, 1.7), all=1, starts=3, step=0.1)
+        assert np.all(branch["stable"] == stable) and np.all(branch["neutral"] == neutral)
 
 
 def test_a_branch_holds_the_orbits_of_its_parameter():

@@ -74,7 +74,15 @@ fn branches_go_to_table_and_picture_and_special_points_on() {
     let place = special.iter().position(|s| s["kind"] == "fold").unwrap();
     close(&special[place]["value"], 0.608_257_537_739_327_9, 1e-13);
     let count = branch["points"]["omega"].as_array().unwrap().len();
-    for column in ["period", "impacts", "stable", "multipliers", "x", "v"] {
+    for column in [
+        "period",
+        "impacts",
+        "stable",
+        "neutral",
+        "multipliers",
+        "x",
+        "v",
+    ] {
         assert_eq!(
             branch["points"][column].as_array().unwrap().len(),
             count,
@@ -348,6 +356,45 @@ fn curves_in_two_parameters_go_on_to_the_same_file() {
     succeeds(&["continue", "--resume", &stopped]);
     assert!(folder.bytes("whole.npz") == folder.bytes("stopped.npz"));
     assert_eq!(folder.names(), ["branch.npz", "stopped.npz", "whole.npz"]);
+}
+
+/// Without damping multipliers are exp(+-2 pi i/w): orbits are neither stable nor unstable, and every reader of a branch is told so.
+#[test]
+fn neutral_orbits_of_a_branch_are_told_as_such() {
+    let folder = Folder::new("neutral");
+    let text = "[parameters]\nw = 1.637\nc = 0\n[flight]\nx = 'v'\nv = '-x - c*v + cos(w*t)'\n[initial]\nx = 0\nv = 0\n";
+    std::fs::write(folder.file("free.toml"), text).unwrap();
+    for (damping, [stable, neutral], label) in [
+        ("0", [false, true], "neutral"),
+        ("0.1", [true, false], "stable"),
+        ("-0.1", [false, false], "unstable"),
+    ] {
+        let line = format!(
+            "continue free.toml --set c={damping} --sweep w=1.6:1.7 --all 1 --starts 3 --step 0.1 --out b.csv --plot b.svg --json"
+        );
+        let told: Value = serde_json::from_str(&folder.succeeds("", &line)).unwrap();
+        let points = &told["branches"][0]["points"];
+        for (name, expected) in [("stable", stable), ("neutral", neutral)] {
+            let column = points[name].as_array().unwrap();
+            assert!(column.len() > 5);
+            assert!(
+                column.iter().all(|told| *told == expected),
+                "{name} {damping}"
+            );
+        }
+        let table = String::from_utf8(folder.bytes("b.points.csv")).unwrap();
+        let rows: Vec<Vec<&str>> = table
+            .lines()
+            .map(|line| line.split(',').collect())
+            .collect();
+        let column = |name: &str| rows[0].iter().position(|head| *head == name).unwrap();
+        for row in &rows[1..] {
+            assert_eq!(row[column("stable")], i64::from(stable).to_string());
+            assert_eq!(row[column("neutral")], i64::from(neutral).to_string());
+        }
+        let drawn = String::from_utf8(folder.bytes("b.svg")).unwrap();
+        assert!(drawn.contains(&format!(">{label}<")), "{label}");
+    }
 }
 
 /// Where no orbit is found at the model's own value branches begin elsewhere, and it is said why and where.

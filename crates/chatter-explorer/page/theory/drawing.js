@@ -8,7 +8,7 @@ import { special } from "./special.js";
 /** @typedef {import("../state.js").Diagram} Diagram */
 
 /**
- * Branches over one parameter, stable orbits solid, with their special points.
+ * Branches over one parameter, stable orbits solid, neutral ones dotted, with their special points.
  * @param {CanvasRenderingContext2D} context
  * @param {Plot} plot
  * @param {Theme} colors
@@ -21,17 +21,17 @@ export function draw_branches(context, plot, colors, document, diagram) {
         const x = branch.points[diagram.over];
         const y = branch.points[diagram.observe];
         if (!x || !y) continue;
-        const { stable } = branch.points;
-        for (const kind of [true, false]) {
+        const { stable, neutral } = branch.points;
+        for (const [is_stable, is_neutral, dash] of /** @type {[boolean, boolean, number[]][]} */ ([[true, false, []], [false, true, [1, 2]], [false, false, [4, 3]]])) {
             context.beginPath();
             for (let k = 1; k < x.length; k += 1) {
-                if (stable[k - 1] !== kind) continue;
+                if (stable[k - 1] !== is_stable || neutral[k - 1] !== is_neutral) continue;
                 context.moveTo(plot.px(x[k - 1]), plot.py(y[k - 1] - slope * x[k - 1]));
                 context.lineTo(plot.px(x[k]), plot.py(y[k] - slope * x[k]));
             }
-            context.strokeStyle = kind ? colors.curve : colors.muted;
-            context.lineWidth = kind ? 2 : 1;
-            context.setLineDash(kind ? [] : [4, 3]);
+            context.strokeStyle = is_stable ? colors.curve : colors.muted;
+            context.lineWidth = is_stable ? 2 : 1;
+            context.setLineDash(dash);
             context.stroke();
         }
         context.setLineDash([]);

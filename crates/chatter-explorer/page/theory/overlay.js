@@ -245,7 +245,7 @@ export class Overlay {
                 best = {
                     value: x[k],
                     state: Object.fromEntries(states.map((name) => [name, points[name][k]])),
-                    words: [`${diagram.over} = ${shown(x[k], 8)}`, points.stable[k] ? "stable" : "unstable", `period ${shown(points.period[k])}`, points.impacts[k] === null ? "complete chatter" : `${points.impacts[k]} impacts`].join("  ·  "),
+                    words: [`${diagram.over} = ${shown(x[k], 8)}`, points.stable[k] ? "stable" : points.neutral[k] ? "neutral" : "unstable", `period ${shown(points.period[k])}`, points.impacts[k] === null ? "complete chatter" : `${points.impacts[k]} impacts`].join("  ·  "),
                 };
             }
         }

@@ -244,7 +244,7 @@ class Branch(Frozen):
     """A branch of periodic orbits: n of them.
 
     Indexed with a name it gives a column, of shape (n,): the parameter, "period", "impacts" (-1 where infinitely many), "stable",
-    the states at the section, and the functions that were watched, by their text.
+    "neutral", the states at the section, and the functions that were watched, by their text.
     """
 
     parameter: str
@@ -288,8 +288,8 @@ class Branch(Frozen):
         return pandas.DataFrame({name: list(values) for name, values in self.points.items()})
 
     def plot(self, name: str | None = None, ax: Axes | None = None, **style: Any) -> Axes:
-        """Draws a state at the section, or "period", over the parameter: stable orbits solid, others dashed, special points
-        marked; gives the axes.
+        """Draws a state at the section, or "period", over the parameter: stable orbits solid, neutral ones dotted, others dashed,
+        special points marked; gives the axes.
         """
         if ax is None:
             import matplotlib.pyplot as plt
@@ -298,8 +298,8 @@ class Branch(Frozen):
         labels = self.model._labels
         changing = [state for state in self.model.states if np.ptp(self[state]) > 0]
         name = name or (changing or ["period"])[0]
-        x, y, stable = self[self.parameter], self[name], self["stable"]
-        for kept, line in [(stable, "-"), (~stable, "--")]:
+        x, y, stable, neutral = self[self.parameter], self[name], self["stable"], self["neutral"]
+        for kept, line in [(stable, "-"), (neutral, ":"), (~(stable | neutral), "--")]:
             # A piece reaches to the first orbit of the next.
             near = kept | np.roll(kept, 1)
             near[0] = kept[0]

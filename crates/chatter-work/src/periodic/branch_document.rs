@@ -54,6 +54,7 @@ fn one(subject: &Subject, branch: &Branch) -> Object {
         .with("period", column(&|point| Json::Number(point.period)))
         .with("impacts", column(&impacts))
         .with("stable", column(&|point| Json::Bool(point.is_stable())))
+        .with("neutral", column(&|point| Json::Bool(point.is_neutral())))
         .with(
             "multipliers",
             column(&|point| Json::List(multipliers(&point.multipliers))),

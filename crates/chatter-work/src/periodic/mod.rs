@@ -59,11 +59,12 @@ pub struct Subject<'a> {
 }
 
 /// Columns that tables and documents of branches have beside parameters and states.
-const COLUMNS: [&str; 7] = [
+const COLUMNS: [&str; 8] = [
     "branch",
     "period",
     "impacts",
     "stable",
+    "neutral",
     "multipliers",
     "residual",
     "error",

@@ -1,4 +1,4 @@
-//! A picture of branches: stable solid, unstable thin, special points marked.
+//! A picture of branches: stable thick, others thin, special points marked.
 
 use super::{Beneath, Subject};
 use crate::diagram::picture::axis;
@@ -6,8 +6,13 @@ use chatter::analysis::periodic::{Branch, Point, SpecialKind};
 use chatter_figures::{Axis, Color, Figure, Line, Marker, Markers, Panel};
 
 /// Line widths in points.
-const STABLE: f64 = 1.1;
-const UNSTABLE: f64 = 0.45;
+const THICK: f64 = 1.1;
+const THIN: f64 = 0.45;
+/// How orbits of one stability are named and drawn: with this colour and width.
+type Style = (&'static str, Color, f64);
+const STABLE: Style = ("stable", Color::BLUE, THICK);
+const NEUTRAL: Style = ("neutral", Color::BLUE, THIN);
+const UNSTABLE: Style = ("unstable", Color::GREY, THIN);
 /// Size of marks in points.
 const MARK: f64 = 3.2;
 /// In millimetres.
@@ -92,23 +97,21 @@ pub fn picture(
         Some(beneath) => beneath.panel,
         None => Panel::new(axis(subject.model, name), y),
     };
-    let mut told = [false; 2];
+    let mut told: Vec<&str> = Vec::new();
     for branch in branches {
-        for (stable, run) in runs(branch, &|point| (point.parameter(), value(point))) {
+        for ((label, color, width), run) in runs(branch, &|point| (point.parameter(), value(point)))
+        {
             let (x, y) = run
                 .iter()
                 .map(|point| (point.parameter(), value(point)))
                 .unzip();
-            let line = Line::new(x, y);
-            let line = if stable {
-                line.color(Color::BLUE).width(STABLE)
+            let line = Line::new(x, y).color(color).width(width);
+            panel.add(if told.contains(&label) {
+                line
             } else {
-                line.color(Color::GREY).width(UNSTABLE)
-            };
-            let known = &mut told[usize::from(stable)];
-            let label = if stable { "stable" } else { "unstable" };
-            panel.add(if *known { line } else { line.label(label) });
-            *known = true;
+                line.label(label)
+            });
+            told.push(label);
         }
     }
     add_marks(&mut panel, branches, &|point| {
@@ -139,7 +142,7 @@ pub fn plane(
     for (kind, curve) in curves {
         let (_, color, label) = mark(*kind);
         let (x, y) = curve.points.iter().map(place).unzip();
-        let line = Line::new(x, y).color(color).width(STABLE);
+        let line = Line::new(x, y).color(color).width(THICK);
         // One entry for all curves of a kind.
         panel.add(if told.contains(&label) {
             line
@@ -177,7 +180,7 @@ fn add_marks(panel: &mut Panel, branches: &[Branch], place: &dyn Fn(&Point) -> (
 fn runs<'b>(
     branch: &'b Branch,
     place: &dyn Fn(&Point) -> (f64, f64),
-) -> Vec<(bool, Vec<&'b Point>)> {
+) -> Vec<(Style, Vec<&'b Point>)> {
     let places: Vec<(f64, f64)> = branch.points.iter().map(place).collect();
     let extent = |of: &dyn Fn(&(f64, f64)) -> f64| {
         let low = places.iter().map(of).fold(f64::INFINITY, f64::min);
@@ -195,17 +198,21 @@ fn runs<'b>(
             .filter(|point| way(point) <= MOST_DETOUR * apart(from, to))
             .unwrap_or(b)
     };
-    let mut runs: Vec<(bool, Vec<&Point>)> = Vec::new();
+    let mut runs: Vec<(Style, Vec<&Point>)> = Vec::new();
     for point in &branch.points {
-        let stable = point.is_stable();
+        let style = match (point.is_stable(), point.is_neutral()) {
+            (true, _) => STABLE,
+            (_, true) => NEUTRAL,
+            _ => UNSTABLE,
+        };
         match runs.last_mut() {
-            Some((known, run)) if *known == stable => run.push(point),
+            Some((known, run)) if *known == style => run.push(point),
             Some((_, run)) => {
                 let change = run.last().map_or(point, |before| between(before, point));
                 run.push(change);
-                runs.push((stable, vec![change, point]));
+                runs.push((style, vec![change, point]));
             }
-            None => runs.push((stable, vec![point])),
+            None => runs.push((style, vec![point])),
         }
     }
     runs

@@ -77,6 +77,10 @@ fn columns(subject: &Subject, table: Table, prefix: &str, points: &[(i64, &Point
     let numbers = |value: &dyn Fn(&Point) -> f64| -> Vec<f64> {
         points.iter().map(|(_, point)| value(point)).collect()
     };
+    let whether = |value: fn(&Point) -> bool| -> Vec<i64> {
+        let told = points.iter().map(|(_, point)| i64::from(value(point)));
+        told.collect()
+    };
     let name = |name: &str| format!("{prefix}{name}");
     let branch: Vec<i64> = points.iter().map(|(index, _)| *index).collect();
     let mut table = table.column(name("branch"), branch);
@@ -91,13 +95,8 @@ fn columns(subject: &Subject, table: Table, prefix: &str, points: &[(i64, &Point
                 .map(|(_, point)| point.impacts.map_or(INFINITE, |count| count as i64))
                 .collect::<Vec<i64>>(),
         )
-        .column(
-            name("stable"),
-            points
-                .iter()
-                .map(|(_, point)| i64::from(point.is_stable()))
-                .collect::<Vec<i64>>(),
-        );
+        .column(name("stable"), whether(Point::is_stable))
+        .column(name("neutral"), whether(Point::is_neutral));
     for (index, state) in subject.model.states.iter().enumerate() {
         table = table.column(name(&state.name), numbers(&|point| point.state[index]));
     }

@@ -34,7 +34,7 @@ unless it lies on a branch of one before it. What is followed from one orbit is 
 --shard on several machines, whose journals `chatter merge` puts together.
 
 JSON
-  branches, a list of {points: columns (the parameter under its name, period, impacts (null where infinitely many), stable,
+  branches, a list of {points: columns (the parameter under its name, period, impacts (null where infinitely many), stable, neutral,
   multipliers, states at the section, residual, error), special: list of {kind, value, at, error, residual, period,
   impacts (without the one that grazes), multipliers, state, point, persists (of grazes: whether the branch goes on beyond
   rather than turning back), above (of folds and period doublings: whether the orbits that meet, or the doubled ones, are at
@@ -45,7 +45,7 @@ JSON
   graze_doubling, graze_torus, double_graze, border_fold, border_doubling.
 
 TABLE
-  A row for each orbit: branch, parameter, period, impacts (-1 where infinitely many), stable, states, multipliers; and a
+  A row for each orbit: branch, parameter, period, impacts (-1 where infinitely many), stable, neutral, states, multipliers; and a
   table of special points, in NPZ under names that begin with `special_`.
 
 JOURNAL

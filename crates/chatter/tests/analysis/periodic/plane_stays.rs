@@ -130,3 +130,42 @@ fn a_curve_of_folds_ends_where_its_stay_does_between_other_events() {
         assert!(off < 1e-13, "{longest_step}: {touch:?}");
     }
 }
+
+/// Long steps end where short ones do: there a surface is touched while the stay has a while to last. Without that stay another curve of folds passes by,
+/// whose touch is nearer than a step; but the stay does not lead there as it becomes shorter.
+#[test]
+fn a_curve_of_folds_does_not_go_on_as_one_that_its_stay_does_not_lead_to() {
+    let model = model("preloaded_stop", &[]);
+    let omega = 0.245_658_918_103_007_08;
+    let period = core::f64::consts::TAU / omega;
+    let known = Known {
+        kind: SpecialKind::Fold,
+        monitor: None,
+        state: vec![0.425_606_2, -0.004_894_57, period],
+        period,
+    };
+    for longest_step in [0.02, 0.01] {
+        let limits = Limits {
+            range: (0.0, 1.0),
+            other: None,
+            impacts: 60,
+            points: 300,
+            longest_step,
+        };
+        let curve = curve_within(&model, ["omega", "preload"], (&known, omega), &limits).unwrap();
+        assert_eq!(
+            curve.ends,
+            [End::At(SpecialKind::Touch), End::At(SpecialKind::Touch)]
+        );
+        let touches = of(&curve, SpecialKind::Touch);
+        let expected = [
+            [0.245_051_604_726_788, 0.189_897_198_076_92],
+            [0.247_034_068_127_122, 0.229_475_182_047_33],
+        ];
+        assert_eq!(touches.len(), expected.len(), "{longest_step}: {touches:?}");
+        for (touch, expected) in touches.iter().zip(expected) {
+            let off = (0..2).map(|k| (touch[k] - expected[k]).abs());
+            assert!(off.fold(0.0, f64::max) < 1e-12, "{longest_step}: {touch:?}");
+        }
+    }
+}

@@ -661,7 +661,8 @@ impl Follower {
         (station, ahead): (&Station, f64),
         bordered: &Bordered,
     ) -> Option<Stop> {
-        let Some((onward, touch, vanishes)) = self.loses_stay(station, true) else {
+        let lost = self.loses_stay((station, bordered), true);
+        let Some((onward, touch, vanishes)) = lost else {
             return self.ends_with_stay(curve, (station, bordered));
         };
         let (from, close) = (curve.station.clone(), ahead * (1.0 - NOT_QUITE));

@@ -144,13 +144,23 @@ impl Follower {
         }
     }
 
-    /// Whether the stay at a station, which is all but over, ends at such parameters: they are no farther than it may take to end.
-    fn ends_at(&self, station: &Station, first: usize, touch: &[f64]) -> bool {
+    /// Whether the stay at a station ends at such parameters: one that is all but over no farther than it may take to end, and another one
+    /// is to come nearer as it becomes shorter.
+    fn ends_at(
+        &self,
+        (station, bordered): (&Station, &Bordered),
+        first: usize,
+        touch: &[f64],
+    ) -> bool {
         let shooting = &self.shooting;
-        let place = shooting.duration_place(shooting.after(first));
-        let lasts = place.map_or(f64::NAN, |place| station.at[place]);
-        let is_over = lasts <= VANISHED * shooting.period();
-        !is_over || moved(shooting.free(&station.at), touch, &shooting.workshop.sizes) <= AT_END
+        let Some(place) = shooting.duration_place(shooting.after(first)) else {
+            return false;
+        };
+        if station.at[place] <= VANISHED * shooting.period() {
+            let sizes = &shooting.workshop.sizes;
+            return moved(shooting.free(&station.at), touch, sizes) <= AT_END;
+        }
+        self.shrinks_to(&mut shooting.clone(), (&station.at, place, bordered), touch)
     }
 
     /// Whether a stay has come to its end at a station, or all but and becomes shorter along the curve: the crossing that it begins with. (Where it
@@ -167,7 +177,7 @@ impl Follower {
     /// of the least value, and how that changes.
     pub(super) fn loses_stay(
         &mut self,
-        station: &Station,
+        (station, bordered): (&Station, &Bordered),
         leads_on: bool,
     ) -> Option<(Onward, Station, (f64, f64))> {
         let first = self.ending_stay(station, leads_on)?;
@@ -177,14 +187,14 @@ impl Follower {
         touching.evaluate(&start).ok()?;
         let (shorter, guess, merged) = touching.without_event(&start, index).ok()?;
         let (mut onward, distance) = self.leads_on(shorter, (&guess, NEAR), &BEYOND)?;
-        let (shorter, bordered) = (&mut onward.shooting, &onward.bordered);
+        let (shorter, borders) = (&mut onward.shooting, &onward.bordered);
         let back = onward.station.clone().reversed();
         let within = 2.0 * distance;
         let mut reader = shorter.clone();
         let mut value = |station: &Station| least_of(&mut reader, &station.at, (merged, guard));
-        let (far, _) = back.ahead(&mut bordered.of(shorter), within).ok()?;
+        let (far, _) = back.ahead(&mut borders.of(shorter), within).ok()?;
         let ends = (value(&back)?, value(&far)?);
-        let mut held = bordered.of(shorter);
+        let mut held = borders.of(shorter);
         let (touch, ahead) = locate(&mut held, &back, within, ends, &mut |_, station| {
             value(station)
         })?;
@@ -199,7 +209,7 @@ impl Follower {
             return None;
         }
         let there = &touch.at[free..];
-        if !self.ends_at(station, first, there) {
+        if !self.ends_at((station, bordered), first, there) {
             return None;
         }
         let left = value(&touch)?;
@@ -242,7 +252,7 @@ impl Follower {
         curve: &mut Curve,
         (station, bordered): (&Station, &Bordered),
     ) -> Option<Stop> {
-        match self.loses_stay(station, false) {
+        match self.loses_stay((station, bordered), false) {
             Some(past) => Some(Stop::Anew(self.goes_past(past, curve))),
             None => self.ends_with_stay(curve, (station, bordered)),
         }
