@@ -2,7 +2,9 @@
 //! special points.
 
 use super::aside::Aside;
-use super::branch::{Branch, End, Limits, Near, Point, Seed, Special, SpecialKind, beside, follow};
+use super::branch::{
+    Branch, End, Limits, Near, Point, Seed, Special, SpecialKind, Wanted, beside, follow,
+};
 use super::cycle::itinerary::Step;
 use super::cycle::settle::{Cycle, Patience};
 use super::diary::Diary;
@@ -172,7 +174,11 @@ fn beyond<'a>(
     let by_motion = by_motion.filter_map(move |(ahead, along)| {
         let seed = way.seed.as_ref()?;
         let distance = (way.value + ahead - seed.at.last()?) / (high - low);
-        let (mut shooting, station) = beside((seed, &near_border), (distance, along), fits)?;
+        let wanted = Wanted {
+            may_be: |impacts: Option<u64>| impacts.is_none() == wants_infinite,
+            is_it: fits,
+        };
+        let (mut shooting, station) = beside((seed, &near_border), (distance, along), &wanted)?;
         shooting.evaluate(&station.at).ok()?;
         let told = (station.parameter(), shooting.impacts(), shooting.period());
         Some((ahead, (shooting, station.at), told))

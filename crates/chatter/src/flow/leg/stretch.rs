@@ -26,6 +26,7 @@ pub(crate) struct Stretch {
     ends_at: Option<GuardKind>,
     accumulations: usize,
     passes: Option<usize>,
+    joint: bool,
     /// What is closed, and on which sides it is, where it ends.
     ends_in: (Grip, Sides),
     /// Contacts that are closed where it starts, those that the state lies on besides, and the gaps of all these.
@@ -52,6 +53,9 @@ pub(crate) struct StretchKind {
     /// which chatter has no fixed number, are not counted.
     #[serde(default)]
     pub passes: Option<usize>,
+    /// Whether the chatter is one of several contacts, and so is over where all of them rest, however often some of them do on the way.
+    #[serde(default)]
+    pub joint: bool,
 }
 
 impl StretchKind {
@@ -85,6 +89,7 @@ impl System {
             ends_at: kind.last.ends_at,
             accumulations: kind.accumulations,
             passes: kind.passes,
+            joint: kind.joint,
             closed: kind.closed,
             on: kind.on,
             gaps: Closed(kind.closed.0 | kind.on.0)
@@ -179,7 +184,11 @@ impl Stretch {
             }
             match told {
                 Some(Occurrence::Horizon) => {
-                    if self.ends_at.is_some() || accumulations != self.accumulations {
+                    let is_over = match self.joint {
+                        true => self.rests_in(trajectory.mode),
+                        false => accumulations == self.accumulations,
+                    };
+                    if self.ends_at.is_some() || !is_over {
                         return Err(astray);
                     }
                     let end = trajectory.state();
@@ -222,10 +231,11 @@ impl Stretch {
                 continue;
             }
             // Chatter that is rounding may not be there in longer numbers: what rests where it ends is at its end.
-            let rests = || system.origin_of(mode).map(|(grip, sides, _)| (grip, sides));
             let is_last = match self.passes {
+                Some(wanted) if self.joint => passes == wanted && self.rests_in(mode),
+                None if self.joint => self.rests_in(mode),
                 Some(wanted) if accumulations < self.accumulations => {
-                    passes == wanted && rests() == Some(self.ends_in)
+                    passes == wanted && self.rests_in(mode)
                 }
                 Some(wanted) => passes >= wanted,
                 None => accumulations >= self.accumulations,
@@ -249,6 +259,12 @@ impl Stretch {
             }
         }
         Err(astray)
+    }
+
+    /// Whether this is the mode that it ends in.
+    fn rests_in(&self, mode: usize) -> bool {
+        let origin = self.system.origin_of(mode);
+        origin.is_some_and(|(grip, sides, _)| (grip, sides) == self.ends_in)
     }
 
     /// Takes a state that impacts have just left, or that contacts hold, to where their gaps are zero: off it by what the solution

@@ -57,7 +57,7 @@ pub(super) use changes::touch::{STAYS, Stay, VANISHED};
 pub(super) use ends::returns::{Began, passages, returned};
 pub(super) use kept::{Along, Kept, Ledger, Of, Stand, Standing, Then, damaged};
 pub(crate) use limits::station_at;
-pub(super) use onward::{beside, legal};
+pub(super) use onward::{Wanted, beside, legal};
 pub(super) use special::Seed;
 pub(super) use walker::Side;
 

@@ -27,6 +27,12 @@ const PATIENCE: usize = 8;
 /// Where new equations begin their steps, in parts of the longest one.
 pub(super) const CAREFUL: f64 = 1e-3;
 
+/// What is looked for beyond a place: by how many impacts it has, before numbers of thirty digits are spent on it, and by what it is.
+pub(in crate::analysis::periodic) struct Wanted<M, W> {
+    pub may_be: M,
+    pub is_it: W,
+}
+
 impl Walker {
     /// The contact whose restitution, where it is a matter of parameters, comes to an end of what it may be on the way to a
     /// station, and the station where it does.
@@ -102,8 +108,12 @@ impl Walker {
         if stands {
             ways.reverse();
         }
-        let wanted = |orbit: &Orbit| same(orbit) && passes(orbit);
-        let next = (ways.into_iter()).find_map(|way| self.beyond(way, &distances, wanted));
+        let endless = here.impacts.is_none();
+        let wanted = Wanted {
+            may_be: |impacts: Option<u64>| impacts.is_none() == endless,
+            is_it: |orbit: &Orbit| same(orbit) && passes(orbit),
+        };
+        let next = (ways.into_iter()).find_map(|way| self.beyond(way, &distances, &wanted));
         let Some(next) = next else {
             return false;
         };
@@ -273,7 +283,7 @@ impl Walker {
         &mut self,
         from: &Station,
         distances: &[f64],
-        is_wanted: impl Fn(&Orbit) -> bool,
+        wanted: &Wanted<impl Fn(Option<u64>) -> bool, impl Fn(&Orbit) -> bool>,
     ) -> Option<Station> {
         self.settle(from);
         // From just after the fastest impact: at a release the motion would have to decide anew.
@@ -299,7 +309,7 @@ impl Walker {
         }
         nodes.into_iter().find_map(|(node, ..)| {
             let closed = self.shooting.closed_before(node);
-            self.beyond_from(from, distances, (node, closed), &is_wanted)
+            self.beyond_from(from, distances, (node, closed), wanted)
         })
     }
 
@@ -309,7 +319,7 @@ impl Walker {
         from: &Station,
         distances: &[f64],
         (node, closed): (usize, Closed),
-        is_wanted: impl Fn(&Orbit) -> bool,
+        wanted: &Wanted<impl Fn(Option<u64>) -> bool, impl Fn(&Orbit) -> bool>,
     ) -> Option<Station> {
         let workshop = self.shooting.workshop.clone();
         let last = from.at.len() - 1;
@@ -328,7 +338,7 @@ impl Walker {
             // An orbit of more impacts than are followed is closed for nothing; one more may come to be none.
             let impacts: Option<u64> = cycle.steps.iter().map(Step::impacts).sum();
             let is_over = impacts.is_some_and(|impacts| impacts > self.limits.impacts + 1);
-            if cycle.distance > SAME_BEYOND || is_over {
+            if cycle.distance > SAME_BEYOND || is_over || !(wanted.may_be)(impacts) {
                 return None;
             }
             let read: Vec<Vec<f64>> = cycle.steps.iter().map(|step| step.start.clone()).collect();
@@ -344,7 +354,7 @@ impl Walker {
             }
             // What solves the equations beyond may be no motion any more.
             let is_motion = is_broken(&mut orbit.shooting, &orbit.at).is_ok_and(|broken| !broken);
-            if !is_motion || !is_wanted(&orbit) {
+            if !is_motion || !(wanted.is_it)(&orbit) {
                 return None;
             }
             let (mut shooting, at) = orbit.shooting.without_section(orbit.at);
@@ -364,7 +374,7 @@ impl Walker {
 pub(in crate::analysis::periodic) fn beside(
     (seed, limits): (&Seed, &Limits),
     (distance, along): (f64, Option<&[f64]>),
-    is_wanted: impl Fn(&Orbit) -> bool,
+    wanted: &Wanted<impl Fn(Option<u64>) -> bool, impl Fn(&Orbit) -> bool>,
 ) -> Option<(Shooting<f64>, Station)> {
     let mut walker = Walker {
         shooting: seed.shooting.clone(),
@@ -389,7 +399,7 @@ pub(in crate::analysis::periodic) fn beside(
         }
     }
     *over.tangent.last_mut()? = scale.copysign(distance);
-    let found = walker.beyond(&over, &[distance.abs()], is_wanted)?;
+    let found = walker.beyond(&over, &[distance.abs()], wanted)?;
     Some((walker.shooting, found))
 }
 

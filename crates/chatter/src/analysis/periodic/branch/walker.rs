@@ -583,23 +583,33 @@ impl Walker {
         let found = borders_in::<f64>(&workshop.model, &spec, low, high);
         let nearest = found.ok().and_then(|found| found.nearest(value));
         let mut error = BESIDE_BORDER * value.abs();
+        let mut extrapolated = None;
         if nearest.is_none()
             && let Some(distance) = self.distance_to_border(station)
         {
-            error = error.max(BORDER_ROOM * distance);
-            if error > self.limits.longest_step * station.parameter_slope().abs() {
+            let far = BORDER_ROOM * distance.far;
+            if far > self.limits.longest_step * station.parameter_slope().abs() {
                 return false;
             }
+            error = error.max(far);
+            extrapolated = distance.vanishes.filter(|(_, off)| *off < error);
+            error = extrapolated.map_or(error, |(_, off)| off);
         }
         self.note(SpecialKind::ChatterBorder, here, &station.at, error, 0.0);
         if let Some(special) = self.special.last_mut() {
             special.leaves.clone_from(&station.tangent);
         }
-        if let (Some(border), Some(special)) = (nearest, self.special.last_mut()) {
-            special.error = border.value.error;
-            special.point.period = border.period.value;
+        let told = nearest.map(|border| {
+            if let Some(special) = self.special.last_mut() {
+                special.error = border.value.error;
+                special.point.period = border.period.value;
+            }
+            border.value.value
+        });
+        let told = told.or(extrapolated.map(|(value, _)| value));
+        if let (Some(border), Some(special)) = (told, self.special.last_mut()) {
             // Told where the branch is told, as far along it as the border is: this says more than where its orbit is released.
-            let ahead = (border.value.value - value) / station.parameter_slope();
+            let ahead = (border - value) / station.parameter_slope();
             let along = station.at.iter().zip(&station.tangent);
             let at: Vec<f64> = along.map(|(x, slope)| x + ahead * slope).collect();
             let state = self.shooting.told_state(&at);
@@ -608,7 +618,7 @@ impl Walker {
                 special.point.monitors = self.shooting.monitored(&at);
             }
             if let Some(parameter) = special.point.parameters.last_mut() {
-                *parameter = border.value.value;
+                *parameter = border;
             }
         }
         true
@@ -616,19 +626,23 @@ impl Walker {
 
     /// How far the parameter is from a border, by its coordinate, which vanishes linearly, there and a little before; where that cannot be
     /// told, by the time from the end of chatter to release, which vanishes as a power.
-    fn distance_to_border(&mut self, station: &Station) -> Option<f64> {
+    fn distance_to_border(&mut self, station: &Station) -> Option<Distance> {
         // Where nothing tells, no less than how far its last orbits have come.
         let back = self.points.len().checked_sub(LAST_ORBITS);
         let crowded = back.and_then(|place| self.points.get(place));
         let crowded = crowded.map(|point| (point.parameter() - station.parameter()).abs());
+        let crowded = crowded.map(|far| Distance {
+            far,
+            vanishes: None,
+        });
         self.measured_distance(station).or(crowded)
     }
 
-    fn measured_distance(&mut self, station: &Station) -> Option<f64> {
+    fn measured_distance(&mut self, station: &Station) -> Option<Distance> {
         let back = station.clone().reversed();
         let way = BORDER_STEP * self.limits.longest_step;
         let mut looked = Vec::new();
-        for part in [0.0, 0.5, 1.0] {
+        for part in [0.0, 0.25, 0.5, 1.0] {
             let (there, _) = back.ahead(&mut self.shooting, part * way).ok()?;
             self.settle(&there);
             let coordinate = border_coordinate(&self.shooting, &there.at);
@@ -636,17 +650,29 @@ impl Walker {
             looked.push((there.parameter(), coordinate, contact));
         }
         self.settle(station);
-        let [here, halfway, before] = looked[..] else {
+        let [here, _, halfway, before] = looked[..] else {
             return None;
         };
-        if let (Some(now), Some(then)) = (here.1, before.1) {
-            let slope = (then - now) / (before.0 - here.0);
-            let distance = (now / slope).abs();
-            return distance.is_finite().then_some(distance);
+        let coordinates: Option<Vec<(f64, f64)>> = (looked.iter())
+            .map(|&(value, coordinate, _)| Some((coordinate?, value)))
+            .collect();
+        if let Some(known) = coordinates {
+            let slope = (known[3].0 - known[0].0) / (before.0 - here.0);
+            let far = (known[0].0 / slope).abs();
+            // Without the nearest, where it is known least, the value tells what it may be off by.
+            let [value, other] = [&known[..], &known[1..]].map(where_it_vanishes);
+            let error = BORDER_ROOM * (value - other).abs() + roundoff(value);
+            return far.is_finite().then_some(Distance {
+                far,
+                vanishes: error.is_finite().then_some((value, error)),
+            });
         }
         let gone = [halfway.0, before.0].map(|value| (value - here.0).abs());
         let lasted = [here.2?, halfway.2?, before.2?];
-        Some(distance_by_power(gone, lasted).unwrap_or(gone[1]))
+        Some(Distance {
+            far: distance_by_power(gone, lasted).unwrap_or(gone[1]),
+            vanishes: None,
+        })
     }
 
     /// Notes a special point: an orbit near it, with the state and parameter of the solution of its equations, which the trace that finds
@@ -688,6 +714,25 @@ impl Walker {
     }
 }
 
+/// How far a border is.
+struct Distance {
+    far: f64,
+    /// The parameter there, and its error, if more is known of it.
+    vanishes: Option<(f64, f64)>,
+}
+
+/// The argument at which a function vanishes, by the polynomial in its values through these (value, argument), as Neville has it.
+fn where_it_vanishes(known: &[(f64, f64)]) -> f64 {
+    let mut all: Vec<f64> = known.iter().map(|(_, argument)| *argument).collect();
+    for order in 1..known.len() {
+        for first in 0..known.len() - order {
+            let (near, far) = (known[first].0, known[first + order].0);
+            all[first] = (far * all[first] - near * all[first + 1]) / (far - near);
+        }
+    }
+    all[0]
+}
+
 /// How far from here a function vanishes as a power of the distance, from its values here and at two distances from here, the function
 /// growing with both: d with log(f_1/f_0)/log(1 + x_1/d) = log(f_2/f_0)/log(1 + x_2/d). None where no distance up to the farther of them
 /// does.
@@ -716,7 +761,15 @@ fn distance_by_power([near, far]: [f64; 2], [here, next, last]: [f64; 3]) -> Opt
 
 #[cfg(test)]
 mod tests {
-    use super::distance_by_power;
+    use super::{distance_by_power, where_it_vanishes};
+
+    #[test]
+    fn a_function_vanishes_where_its_inverse_is() {
+        let inverse = |x: f64| 0.3 + 2.0 * x - 5.0 * x * x + 7.0 * x * x * x;
+        let known = [1e-9, 0.1, 0.2, 0.4].map(|x| (x, inverse(x)));
+        assert!((where_it_vanishes(&known) - 0.3).abs() < 1e-15);
+        assert!((where_it_vanishes(&known[1..]) - 0.3 - 7.0 * 0.1 * 0.2 * 0.4).abs() < 1e-14);
+    }
 
     #[test]
     fn a_power_tells_where_it_vanishes() {

@@ -2,6 +2,7 @@
 
 use super::corners::{Before, Shared, rank, sort};
 use super::events::Events;
+use super::joint::Joint;
 use super::trace::Instant;
 use crate::analysis::periodic::error::PeriodicError;
 use crate::expressions::Side;
@@ -138,12 +139,26 @@ impl Step {
 /// Times that differ by less than this part of themselves, or of the period, are one.
 const SAME_INSTANT: f64 = 8.0 * f64::EPSILON;
 
-/// Chatter of several contacts at once has neither a last impact nor a fixed order of them near its end: this last part of a period is
-/// followed as a whole.
-const JOINT_END: f64 = 1e-3;
-
 /// Contacts that are struck in this last part of a period before an end of chatter have chattered with the one that it is of.
 const SAME_END: f64 = 1e-8;
+
+/// What is followed as a whole.
+#[derive(Clone, Copy)]
+enum Way {
+    /// So many ends of chatter, one after the other.
+    Single(usize),
+    /// Chatter of these contacts up to where they rest together.
+    Joint(Closed),
+}
+
+impl Way {
+    fn with(self, more: usize) -> Self {
+        match self {
+            Self::Single(count) => Self::Single(count + more),
+            Self::Joint(contacts) => Self::Joint(contacts),
+        }
+    }
+}
 
 /// The steps from just after `instants[0]` to just after the last of them.
 pub(crate) fn read(
@@ -158,7 +173,7 @@ pub(crate) fn read(
     let mut from = 0;
     // The instant that each step begins at.
     let mut begins: Vec<usize> = Vec::new();
-    let mut open: Option<(usize, usize, Vec<Occurrence<f64>>)> = None;
+    let mut open: Option<(usize, Way, Vec<Occurrence<f64>>)> = None;
     // When several contacts chattered at once, and which, as long as they have not come to rest.
     let mut parted: Vec<(f64, Closed)> = Vec::new();
     for (index, instant) in instants.iter().enumerate().skip(1) {
@@ -166,34 +181,31 @@ pub(crate) fn read(
             continue;
         }
         if instant.ends_chatter() {
-            let since = instant.time - JOINT_END * span;
-            let late = struck(&instants[..=index], since);
-            if is_several(Closed(late.0 & instant.closed.0)) {
+            if let Some((joint, contacts)) = Joint::ending((system, instants), index, span) {
                 let mut begin = open.take().map_or(from, |(begin, ..)| begin);
-                while let Some(start) = begins.pop_if(|start| instants[*start].time >= since) {
+                while let Some(start) = begins.pop_if(|start| joint.has(instants, *start)) {
                     begin = begin.min(start);
                     steps.pop();
                 }
                 let told = instants[begin + 1..=index].iter();
                 let told = told.flat_map(|instant| instant.told.iter().copied());
-                open = Some((begin, 1, told.collect()));
-                parted.retain(|(time, _)| *time < since);
+                open = Some((begin, Way::Joint(contacts), told.collect()));
+                parted.retain(|(time, _)| *time < instants[begin].time);
                 continue;
             }
             let before = struck(&instants[..index], instant.time - SAME_END * span);
             parted.extend(is_several(before).then_some((instant.time, before)));
         }
         let events = Events::of((system, parameters), instant, span);
-        if let Some((begin, accumulations, mut told)) = open.take() {
+        if let Some((begin, way, mut told)) = open.take() {
             let Some(events) = events.filter(|_| !instant.is_caused) else {
                 told.extend(&instant.told);
                 let more = usize::from(instant.accumulated().is_some());
-                open = Some((begin, accumulations + more, told));
+                open = Some((begin, way.with(more), told));
                 continue;
             };
             told.extend(events.told(instant));
-            let last = events.first;
-            let way = (accumulations, last, told);
+            let way = (way, events.first, told);
             let whole = stretch(system, &instants[begin..=index], way);
             steps.extend(events.steps((system, parameters), (whole, instant)));
             begins.resize(steps.len(), begin);
@@ -281,7 +293,7 @@ pub(crate) fn read(
             }
         }
         begins.truncate(steps.len());
-        open = Some((begin, accumulations, told));
+        open = Some((begin, Way::Single(accumulations), told));
     }
     if let Some(&(time, contacts)) = parted.first() {
         let names = contacts.contacts().map(|contact| {
@@ -295,13 +307,15 @@ pub(crate) fn read(
             ),
         });
     }
-    if let Some((_, accumulations, told)) = open {
+    if let Some((_, way, told)) = open {
         let impacts = told
             .iter()
             .any(|told| matches!(told, Occurrence::Impact { .. }));
-        let what = match accumulations {
-            0 if impacts => "several impacts, or an impact and another event, at one instant",
-            0 => "several events at one instant",
+        let what = match way {
+            Way::Single(0) if impacts => {
+                "several impacts, or an impact and another event, at one instant"
+            }
+            Way::Single(0) => "several events at one instant",
             _ => "complete chatter without a single event after it",
         };
         return Err(PeriodicError::Unfollowed {
@@ -370,7 +384,7 @@ fn gives_jump(steps: &mut [Step], jump: Jump) -> bool {
 }
 
 /// The contacts that are struck at the latest of these instants, from a time on.
-fn struck(instants: &[Instant], since: f64) -> Closed {
+pub(super) fn struck(instants: &[Instant], since: f64) -> Closed {
     let late = (instants.iter().rev()).take_while(|instant| instant.time >= since);
     let told = late.flat_map(|instant| &instant.told);
     told.fold(Closed::NONE, |all, told| match *told {
@@ -379,7 +393,7 @@ fn struck(instants: &[Instant], since: f64) -> Closed {
     })
 }
 
-fn is_several(contacts: Closed) -> bool {
+pub(super) fn is_several(contacts: Closed) -> bool {
     contacts.contacts().nth(1).is_some()
 }
 
@@ -401,15 +415,26 @@ fn comes(instant: &Instant, next: &Instant, guard: Option<GuardKind>) -> bool {
 fn stretch(
     system: &System,
     way: &[Instant],
-    (accumulations, last, told): (usize, LegKind, Vec<Occurrence<f64>>),
+    (whole, last, told): (Way, LegKind, Vec<Occurrence<f64>>),
 ) -> Step {
     let (begin, end) = (&way[0], &way[way.len() - 1]);
     let hits = |told: &&Occurrence<f64>| matches!(told, Occurrence::Impact { .. });
+    let (accumulations, joint) = match whole {
+        Way::Single(count) => (count, None),
+        Way::Joint(contacts) => (1, Some(contacts)),
+    };
     let impacts = match accumulations {
         0 => told.iter().filter(hits).count(),
         _ => 0,
     };
-    let is_impact = matches!(last.ends_at, Some(GuardKind::Gap(_)));
+    // Of what belongs to chatter itself there is no fixed number.
+    let is_of_chatter = match (last.ends_at, joint) {
+        (Some(GuardKind::Gap(contact) | GuardKind::Reaction(contact)), Some(contacts)) => {
+            contacts.contains(contact)
+        }
+        (Some(GuardKind::Gap(_)), None) => true,
+        _ => false,
+    };
     let own = last.ends_at;
     let passed = way
         .windows(2)
@@ -422,7 +447,8 @@ fn stretch(
             accumulations,
             impacts,
             last,
-            passes: (!is_impact).then(|| passed.count()),
+            passes: (!is_of_chatter).then(|| passed.count()),
+            joint: joint.is_some(),
         }),
         pieces: end.pieces.clone(),
         told,

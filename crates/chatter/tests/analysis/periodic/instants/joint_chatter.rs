@@ -243,6 +243,24 @@ fn a_block_begins_to_rock_where_an_edge_carries_nothing() {
     assert_eq!(found[0].points.last().unwrap().impacts, None);
 }
 
+/// As it rocks, impacts at its two edges come in another order at each force, and it rests on both.
+#[test]
+fn a_block_rocks_to_rest_in_whatever_order() {
+    for (start, longest) in [("1.698", 0.5), ("1.704", 0.2)] {
+        let model = with(BLOCK, &[("F", start), ("r", "0.3")]);
+        let found = over(&model, "F", (1.6965, 1.7055), (40, longest));
+        let [branch] = &*found else {
+            panic!("{found:?}");
+        };
+        assert_eq!(branch.ends, [End::Range, End::Range], "from {start}");
+        assert!(branch.special.is_empty(), "{:?}", branch.special);
+        for point in &branch.points {
+            assert_eq!(point.impacts, None);
+            assert!(point.multipliers.iter().all(|m| m.re == 0.0 && m.im == 0.0));
+        }
+    }
+}
+
 /// A cam, a tappet and a valve on its seat: all rest at the foot of the cam, which forgets how they came there. The preload of the valve is known
 /// up to p = 2.
 const TAPPET: &str = r#"
@@ -337,4 +355,33 @@ fn the_end_of_a_table_is_no_border_of_chatter() {
     );
     let last = branch.points.last().unwrap().parameters.last().unwrap();
     assert!((last - 2.0).abs() < 1e-6, "{last}");
+}
+
+/// A branch of orbits that rest at the foot of the cam, with nothing to tell on the way.
+fn assert_forgets((model, parameter): (&Model, &str), (low, high): (f64, f64), longest: f64) {
+    let found = over(model, parameter, (low, high), (40, longest));
+    let [branch] = &*found else {
+        panic!("{found:?}");
+    };
+    assert_eq!(branch.ends, [End::Range, End::Range], "{parameter}");
+    assert!(branch.special.is_empty(), "{:?}", branch.special);
+    for point in &branch.points {
+        assert_eq!(point.impacts, None);
+        assert!(point.multipliers.iter().all(|m| m.re == 0.0 && m.im == 0.0));
+        // Of the section, where the cam is at its foot.
+        let [yt, vt, yv, vv, _] = point.state[..] else {
+            panic!("{:?}", point.state);
+        };
+        let off = [yt / 5e-4, vt / 0.05, yv / 5e-4, vv / 0.05].map(f64::abs);
+        assert!(off.iter().all(|off| *off < 1e-9), "{:?}", point.state);
+    }
+}
+
+/// At mv = 0.1909 a collision of the tappet with the cam loses its rate, in each of infinitely many instants at which several collide.
+#[test]
+fn the_order_of_impacts_before_all_rest_is_no_matter_of_the_orbit() {
+    for longest in [0.5, 0.2] {
+        let model = with(TAPPET, &[("omega", "20"), ("mv", "0.2")]);
+        assert_forgets((&model, "mv"), (0.187, 0.201), longest);
+    }
 }

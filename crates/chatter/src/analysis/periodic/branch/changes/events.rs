@@ -233,6 +233,7 @@ impl Shooting<f64> {
             }
             (Passage::Stretch(first), Passage::Stretch(whole)) => Passage::Stretch(StretchKind {
                 accumulations: first.accumulations + whole.accumulations,
+                joint: first.joint || whole.joint,
                 ..first.up_to(whole.last)
             }),
             _ => {

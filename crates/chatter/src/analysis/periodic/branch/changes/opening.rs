@@ -4,7 +4,7 @@ use super::touch::Touched;
 use crate::analysis::continuation::{Curve, Problem, Station};
 use crate::analysis::periodic::branch::Point;
 use crate::analysis::periodic::branch::limits::End;
-use crate::analysis::periodic::branch::onward::{CAREFUL, touch_between};
+use crate::analysis::periodic::branch::onward::{CAREFUL, Wanted, touch_between};
 use crate::analysis::periodic::branch::walker::{Stop, Walker};
 use crate::analysis::periodic::orbit::Orbit;
 use crate::flow::GuardKind;
@@ -37,7 +37,11 @@ impl Walker {
         let opens = |orbit: &Orbit| {
             orbit.impacts != there.impacts || orbit.shooting.accumulations() > accumulations
         };
-        let next = self.beyond(station, &self.distances(), opens);
+        let wanted = Wanted {
+            may_be: |_| true,
+            is_it: opens,
+        };
+        let next = self.beyond(station, &self.distances(), &wanted);
         next.ok_or_else(|| "a contact opens there, and no orbit is found beyond".to_owned())
     }
 
@@ -79,6 +83,10 @@ impl Walker {
         let another = |orbit: &Orbit| {
             orbit.impacts != here.impacts || orbit.shooting.accumulations() < accumulations
         };
+        let wanted = Wanted {
+            may_be: |_| true,
+            is_it: another,
+        };
         // From where the contact is released, and beyond is not.
         let releases = self.shooting.steps.iter().enumerate();
         let released = releases.filter_map(|(index, step)| match step.ends_at() {
@@ -90,9 +98,9 @@ impl Walker {
             let closed = self.shooting.steps[index].closed.with(contact);
             let begin = (self.shooting.after(index), closed);
             let over = self.over_the_parameter(&curve.station);
-            self.beyond_from(&over, &distances, begin, another)
+            self.beyond_from(&over, &distances, begin, &wanted)
         });
-        let Some(next) = resting.or_else(|| self.beyond(&curve.station, &distances, another))
+        let Some(next) = resting.or_else(|| self.beyond(&curve.station, &distances, &wanted))
         else {
             return false;
         };
