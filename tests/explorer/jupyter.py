@@ -2,7 +2,7 @@
 
     python tests/explorer/jupyter.py [PICTURE.png]
 
-By hand, for it takes JupyterLab (`pip install jupyterlab`) beside what `.ci/python` and `.ci/browser` install.
+By hand, for it takes JupyterLab (`pip install jupyterlab`) beside what `.ci/package` and `.ci/browser` install.
 """
 
 from __future__ import annotations

@@ -152,7 +152,7 @@ def test_a_command_line_makes_the_files_of_its_view(menu: Menu, tmp_path: Path) 
 
 
 def test_a_line_of_python_gives_the_numbers_of_its_view(menu: Menu, tmp_path: Path) -> None:
-    ch = pytest.importorskip("chatter", reason="the Python package is built by .ci/python")
+    ch = pytest.importorskip("chatter", reason="the Python package is built by .ci/package")
     pytest.importorskip("matplotlib").use("Agg")
     import matplotlib.pyplot as plt
 

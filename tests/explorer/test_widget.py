@@ -11,7 +11,7 @@ import pytest
 from conftest import until
 from playwright.sync_api import Browser
 
-ch = pytest.importorskip("chatter", reason="the Python package is built by .ci/python")
+ch = pytest.importorskip("chatter", reason="the Python package is built by .ci/package")
 
 # What anywidget gives a widget, with the kernel in Python's place.
 NOTEBOOK = """async ([script, address]) => {
