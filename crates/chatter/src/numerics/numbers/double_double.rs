@@ -618,6 +618,35 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
+
+        /// What cancels in high parts is not lost.
+        #[test]
+        fn sums_of_products_of_whole_numbers_are_exact(
+            pairs in prop::collection::vec((-1_i64 << 44..1 << 44, -1_i64 << 44..1 << 44), 0..50)
+        ) {
+            let (a, b): (Vec<i64>, Vec<i64>) = pairs.iter().copied().unzip();
+            let mirrored = b.iter().rev();
+            let exact: i128 = a.iter().zip(mirrored).map(|(&a, &b)| i128::from(a) * i128::from(b)).sum();
+            let [a, b] = [a, b].map(|all| all.iter().map(|&x| DoubleDouble::from(x as f64)).collect::<Vec<_>>());
+            let sum = DoubleDouble::convolve(&a, &b);
+            prop_assert_eq!(sum.high as i128 + sum.low as i128, exact);
+        }
+
+        /// Of numbers with low parts they are those of rounded products, to roundoffs of the products' sizes.
+        #[test]
+        fn sums_of_products_are_as_good_as_one_by_one(
+            all in prop::collection::vec((-1.0..1.0, -1e-17..1e-17, -1.0..1.0, -1e-17..1e-17), 1..50)
+        ) {
+            let pairs = all.iter().map(|&(a, b, c, d)| (DoubleDouble::sum(a, b), DoubleDouble::sum(c, d)));
+            let (mut sum, mut rounded, mut size) = (DoubleDouble::ZERO, DoubleDouble::ZERO, 0.0);
+            for (a, b) in pairs {
+                sum = sum.plus_product(a, b);
+                rounded = a.mul_add(b, rounded);
+                size += (a * b).abs().high();
+            }
+            let off = (sum.summed() - rounded).abs().high();
+            prop_assert!(off <= 16.0 * DoubleDouble::ROUNDOFF * size * all.len() as f64, "{off:e} {size}");
+        }
         #[test]
         fn functions_obey_their_laws(x in -3.0_f64..3.0, y in 0.01_f64..9.0) {
             let x = DoubleDouble::sum(x, x * 1e-17);
