@@ -175,7 +175,7 @@ fn beyond<'a>(
         let seed = way.seed.as_ref()?;
         let distance = (way.value + ahead - seed.at.last()?) / (high - low);
         let wanted = Wanted {
-            may_be: |impacts: Option<u64>| impacts.is_none() == wants_infinite,
+            infinite: Some(wants_infinite),
             is_it: fits,
         };
         let (mut shooting, station) = beside((seed, &near_border), (distance, along), &wanted)?;

@@ -27,9 +27,10 @@ const PATIENCE: usize = 8;
 /// Where new equations begin their steps, in parts of the longest one.
 pub(super) const CAREFUL: f64 = 1e-3;
 
-/// What is looked for beyond a place: by how many impacts it has, before numbers of thirty digits are spent on it, and by what it is.
-pub(in crate::analysis::periodic) struct Wanted<M, W> {
-    pub may_be: M,
+/// What is looked for beyond a place.
+pub(in crate::analysis::periodic) struct Wanted<W> {
+    /// Whether it has infinitely many impacts, if that is known: it is asked before numbers of thirty digits are spent on an orbit.
+    pub infinite: Option<bool>,
     pub is_it: W,
 }
 
@@ -108,9 +109,8 @@ impl Walker {
         if stands {
             ways.reverse();
         }
-        let endless = here.impacts.is_none();
         let wanted = Wanted {
-            may_be: |impacts: Option<u64>| impacts.is_none() == endless,
+            infinite: Some(here.impacts.is_none()),
             is_it: |orbit: &Orbit| same(orbit) && passes(orbit),
         };
         let next = (ways.into_iter()).find_map(|way| self.beyond(way, &distances, &wanted));
@@ -283,7 +283,7 @@ impl Walker {
         &mut self,
         from: &Station,
         distances: &[f64],
-        wanted: &Wanted<impl Fn(Option<u64>) -> bool, impl Fn(&Orbit) -> bool>,
+        wanted: &Wanted<impl Fn(&Orbit) -> bool>,
     ) -> Option<Station> {
         self.settle(from);
         // From just after the fastest impact: at a release the motion would have to decide anew.
@@ -319,7 +319,7 @@ impl Walker {
         from: &Station,
         distances: &[f64],
         (node, closed): (usize, Closed),
-        wanted: &Wanted<impl Fn(Option<u64>) -> bool, impl Fn(&Orbit) -> bool>,
+        wanted: &Wanted<impl Fn(&Orbit) -> bool>,
     ) -> Option<Station> {
         let workshop = self.shooting.workshop.clone();
         let last = from.at.len() - 1;
@@ -338,7 +338,8 @@ impl Walker {
             // An orbit of more impacts than are followed is closed for nothing; one more may come to be none.
             let impacts: Option<u64> = cycle.steps.iter().map(Step::impacts).sum();
             let is_over = impacts.is_some_and(|impacts| impacts > self.limits.impacts + 1);
-            if cycle.distance > SAME_BEYOND || is_over || !(wanted.may_be)(impacts) {
+            let is_other = (wanted.infinite).is_some_and(|wanted| wanted != impacts.is_none());
+            if cycle.distance > SAME_BEYOND || is_over || is_other {
                 return None;
             }
             let read: Vec<Vec<f64>> = cycle.steps.iter().map(|step| step.start.clone()).collect();
@@ -374,7 +375,7 @@ impl Walker {
 pub(in crate::analysis::periodic) fn beside(
     (seed, limits): (&Seed, &Limits),
     (distance, along): (f64, Option<&[f64]>),
-    wanted: &Wanted<impl Fn(Option<u64>) -> bool, impl Fn(&Orbit) -> bool>,
+    wanted: &Wanted<impl Fn(&Orbit) -> bool>,
 ) -> Option<(Shooting<f64>, Station)> {
     let mut walker = Walker {
         shooting: seed.shooting.clone(),

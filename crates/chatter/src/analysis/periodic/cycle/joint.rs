@@ -98,7 +98,7 @@ fn is_among(moved: &[bool]) -> impl Fn(Symbol) -> bool {
 fn reached(system: &System, contacts: Closed) -> Vec<bool> {
     let model = system.model();
     let graph = &model.graph;
-    let is_none = |by: Expr| matches!(graph.node(by), Node::Number(number) if number.value() == DoubleDouble::ZERO);
+    let is_none = |by: Expr| graph.as_number(by) == Some(DoubleDouble::ZERO);
     let by_impulse = |along: &[Expr]| along.iter().map(|&by| !is_none(by)).collect();
     let by_reset = |image: &[Expr]| {
         let stays = |(index, to): (usize, &Expr)| matches!(graph.node(*to), Node::Symbol(Symbol::State(own)) if *own == index);
@@ -122,7 +122,7 @@ fn reached(system: &System, contacts: Closed) -> Vec<bool> {
     for contact in contacts.contacts() {
         hit(&mut moved, contact);
     }
-    let fields: Vec<Expr> = model.states.iter().map(|state| state.derivative).collect();
+    let fields = model.field();
     let gaps: Vec<Expr> = model.contacts.iter().map(|contact| contact.gap).collect();
     let surfaces = model.sections.iter().map(|section| section.surface);
     let surfaces: Vec<Expr> = surfaces.collect();

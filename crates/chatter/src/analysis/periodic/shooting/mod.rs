@@ -43,7 +43,6 @@ use super::closure::{Closure, Lap, Turn};
 use super::cycle::itinerary::{Passage, Step, around, held};
 use super::error::PeriodicError;
 use crate::analysis::continuation::Left;
-use crate::expressions::Expr;
 use crate::flow::leg::{Astray, Flyer, Follower, Jump, Landing, Least, Leg, LegKind, Stretch};
 use crate::flow::{Closed, GuardKind, Settings};
 use crate::model::Model;
@@ -66,7 +65,7 @@ pub(crate) fn take_in_moves<'s>(
     (model, parameters): (&Model, &[f64]),
     ways: impl IntoIterator<Item = (&'s [f64], f64)>,
 ) {
-    let rates: Vec<Expr> = model.states.iter().map(|of| of.derivative).collect();
+    let rates = model.field();
     let parts = model.graph.reachable(&rates);
     for (state, time) in ways {
         let rates = (model.graph).evaluate_parts(&parts, &rates, (state, parameters));

@@ -38,7 +38,7 @@ impl Walker {
             orbit.impacts != there.impacts || orbit.shooting.accumulations() > accumulations
         };
         let wanted = Wanted {
-            may_be: |_| true,
+            infinite: None,
             is_it: opens,
         };
         let next = self.beyond(station, &self.distances(), &wanted);
@@ -84,7 +84,7 @@ impl Walker {
             orbit.impacts != here.impacts || orbit.shooting.accumulations() < accumulations
         };
         let wanted = Wanted {
-            may_be: |_| true,
+            infinite: None,
             is_it: another,
         };
         // From where the contact is released, and beyond is not.
