@@ -1,8 +1,10 @@
 //! A model compiled for integration.
 
 use super::error::FlowError;
+use super::modes::closed::{Closed, Grip};
+use super::modes::equations::ModeExprs;
 use super::modes::limits::{Corner, Limits};
-use super::modes::program::{Closed, Grip, ModeExprs, Program, ProgramConstants};
+use super::modes::program::{Program, ProgramConstants};
 use super::modes::{Flight, Mode, Modes};
 use super::step::Workspace;
 use super::touch::Touches;

@@ -19,7 +19,7 @@
 //! All of it is written down as expressions in (x, m), so one trajectory carries its derivatives through every mode
 //! with the same tapes, steps and error control.
 
-use super::modes::program::ModeExprs;
+use super::modes::equations::ModeExprs;
 use super::occurrence::Occurrence;
 use crate::expressions::{Expr, Graph, Symbol};
 use crate::model::{Contact, Mechanics, Model};

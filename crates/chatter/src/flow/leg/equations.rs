@@ -2,9 +2,10 @@
 
 use super::{Jump, LegKind};
 use crate::expressions::{Asked, Expr, Graph, Side, Symbol};
+use crate::flow::modes::closed::{Closed, Grip};
+use crate::flow::modes::equations::{ModeExprs, guard_functions};
 use crate::flow::modes::guard::GuardKind;
 use crate::flow::modes::limits::Limits;
-use crate::flow::modes::program::{Closed, Grip, ModeExprs, guard_functions};
 use crate::flow::system::System;
 use crate::flow::touch::stop;
 use crate::model::{Model, Section, State};

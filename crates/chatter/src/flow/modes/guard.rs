@@ -3,8 +3,8 @@
 //! A guard carries its [`Transition`], settled when its mode is compiled. Steps, roots and the mode machine read it there; none
 //! of them works out again what the zero of a gap, a force or a surface means.
 
+use super::closed::Grip;
 use super::limits::Corner;
-use super::program::Grip;
 use crate::expressions::{Operand, Side, Tape};
 use crate::flow::touching::Touching;
 use crate::numerics::roots::Crossing;

@@ -1,7 +1,8 @@
 //! Where a mode ends at a corner: functions that are positive while its sides, pieces and sliding hold (MATH.md 9).
 
+use super::closed::Closed;
+use super::equations::ModeExprs;
 use super::guard::GuardKind;
-use super::program::{Closed, ModeExprs};
 use crate::expressions::{Asked, Corners, Expr, Graph, Side, Sides};
 use crate::model::{Mechanics, OnSides, Rubbing, Slide};
 

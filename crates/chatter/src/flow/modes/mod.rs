@@ -4,17 +4,21 @@
 //! them have 2^n such sets and more, of which a motion meets few: so none is compiled in advance. Every mode is derived from the same expressions, whatever modes were met before it, so that its
 //! results do not depend on the order of meeting, nor on threads.
 
+pub(super) mod closed;
+pub(super) mod equations;
 pub(super) mod guard;
 pub(super) mod limits;
 pub(super) mod looked_up;
 pub(super) mod program;
 mod source;
+pub(super) mod standing;
 
 use super::touch::Touches;
 use crate::expressions::{Graph, Sides, Surfaces};
 use crate::model::OnSides;
+use closed::Grip;
 use core::fmt;
-use program::{Grip, Program};
+use program::Program;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Modes kept side by side; a further block follows when they are full.
@@ -122,7 +126,7 @@ impl fmt::Debug for Modes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flow::modes::program::Closed;
+    use crate::flow::modes::closed::Closed;
 
     fn grip(bits: u128) -> Grip {
         Grip {

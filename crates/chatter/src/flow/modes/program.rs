@@ -1,99 +1,19 @@
 //! What runs in one mode: the field that holds while a given set of contacts is closed, and its guards.
 
+use super::closed::Closed;
+use super::equations::{ModeExprs, guard_functions, kept_by_contacts};
 use super::guard::{Guard, GuardKind, Transition};
 use super::limits::{Corner, Limits};
 use super::looked_up::LookedUp;
+use super::standing::{STANDING_ORDERS, STANDING_TAPES, StandingTapes};
 use crate::expressions::{Asked, Expr, Graph, Names, Node, Operand, Symbol, Tape};
-use crate::flow::chatter::{SequenceConstants, SequenceExprs, SequenceTapes};
+use crate::flow::chatter::{SequenceConstants, SequenceTapes};
 use crate::flow::reset::ResetTapes;
 use crate::flow::variation::Direction as Along;
-use crate::model::{ContactMechanics, Direction, Mechanics, Section, Sticking};
+use crate::model::{Mechanics, Section};
 use crate::numerics::Real;
 use crate::numerics::roots::Crossing;
 use core::sync::atomic::{AtomicU64, Ordering};
-use serde::{Deserialize, Serialize};
-
-/// A set of contacts in persistent contact, one bit each.
-#[derive(
-    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize,
-)]
-pub struct Closed(pub u128);
-
-impl Closed {
-    /// No contact is closed: free flight.
-    pub const NONE: Self = Self(0);
-
-    /// Whether this contact is closed.
-    pub fn contains(self, contact: usize) -> bool {
-        self.0 >> contact & 1 == 1
-    }
-
-    /// The set with one more contact.
-    #[must_use]
-    pub fn with(self, contact: usize) -> Self {
-        Self(self.0 | 1 << contact)
-    }
-
-    /// The set with one contact less.
-    #[must_use]
-    pub fn without(self, contact: usize) -> Self {
-        Self(self.0 & !(1 << contact))
-    }
-
-    /// Contacts of the set, ascending.
-    pub fn contacts(self) -> impl Iterator<Item = usize> {
-        let mut rest = self.0;
-        core::iter::from_fn(move || {
-            let first = (rest != 0).then(|| rest.trailing_zeros() as usize)?;
-            rest &= rest - 1;
-            Some(first)
-        })
-    }
-}
-
-/// The closed contacts of a mode.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-pub(crate) struct Grip {
-    /// All of them.
-    pub closed: Closed,
-    /// Those whose gaps stay zero as long as those of the others do: no force is asked of them, as of the third leg of a beam.
-    pub idle: Closed,
-}
-
-impl Grip {
-    /// No contact is closed.
-    pub const NONE: Self = Self {
-        closed: Closed::NONE,
-        idle: Closed::NONE,
-    };
-
-    /// Whether a closed contact carries nothing.
-    pub fn has_idle(self) -> bool {
-        self.idle != Closed::NONE
-    }
-
-    /// The same, all idle.
-    pub fn without_forces(self) -> Self {
-        Self {
-            idle: self.closed,
-            ..self
-        }
-    }
-
-    /// Contacts whose forces hold all.
-    pub fn carrying(self) -> Closed {
-        Closed(self.closed.0 & !self.idle.0)
-    }
-}
-
-/// What holds a state beside the forces of closed contacts.
-#[derive(Clone, Debug, PartialEq, Eq, Default)]
-pub struct Held {
-    /// Surfaces that are slid along, ascending.
-    pub surfaces: Vec<usize>,
-    /// Closed contacts whose friction sticks, by their surfaces.
-    pub contacts: Vec<usize>,
-}
 
 /// What an impact at one contact does, as a tape of order zero on the state before it.
 #[derive(Clone, Debug)]
@@ -178,107 +98,6 @@ pub(crate) struct ProgramConstants<R> {
 fn next_edition() -> u64 {
     static LATEST: AtomicU64 = AtomicU64::new(0);
     LATEST.fetch_add(1, Ordering::Relaxed) + 1
-}
-
-/// How a state stands to a corner in a mode.
-#[derive(Clone, Debug)]
-pub(crate) struct StandingTapes {
-    pub corner: Corner,
-    /// What is zero on a surface; then for each of the guards its value and its first derivatives in time; then the rate of the
-    /// surface and what changes that, if it must be zero, too.
-    pub values: Tape,
-    pub guards: Vec<GuardKind>,
-    /// The motion keeps to the surface but for rounding of numbers.
-    pub is_kept: bool,
-    /// The derivative of the surface along each column.
-    pub slopes: Tape,
-    /// By how much the surface rises where the rate of each contact is made larger by one.
-    pub lifts: Tape,
-    /// Of the squared length of a vector its components.
-    pub components: Tape,
-    /// And where it is kept at zero what is in place of its direction, and the rates of that; what each component of a direction changes
-    /// its components by, row by row; and what it adds to the field.
-    pub holding: Tape,
-}
-
-/// How many tapes that is.
-pub(crate) const STANDING_TAPES: usize = 5;
-
-impl StandingTapes {
-    fn all(&self) -> [&Tape; STANDING_TAPES] {
-        [
-            &self.values,
-            &self.slopes,
-            &self.lifts,
-            &self.components,
-            &self.holding,
-        ]
-    }
-}
-
-/// Values of a guard and its derivatives that decide which mode follows at a corner.
-pub(crate) const STANDING_ORDERS: usize = 4;
-
-/// What holds while a set of contacts is closed, as expressions.
-#[derive(Clone, Debug)]
-pub(crate) struct ModeExprs {
-    pub grip: Grip,
-    /// Flight or sticking field.
-    pub field: Vec<Expr>,
-    /// One for each carrying contact, in order.
-    pub reactions: Vec<Expr>,
-    /// For each surface that is slid along, the share of the fields on both sides.
-    pub shares: Vec<Expr>,
-    /// The friction force of each contact that sticks.
-    pub frictions: Vec<(usize, Expr)>,
-    /// For each contact the state after an impact there.
-    pub impacts: Vec<Vec<Expr>>,
-    /// For each contact the state once its rate is taken away.
-    pub rests: Vec<Vec<Expr>>,
-    /// For each contact what its chatter sequences are completed by.
-    pub sequences: Vec<SequenceExprs>,
-}
-
-impl ModeExprs {
-    /// The mode in which these contacts are closed; none where they cannot be held together.
-    pub(crate) fn new(mechanics: &mut Mechanics, grip: Grip) -> Option<Self> {
-        let active: Vec<usize> = grip.carrying().contacts().collect();
-        let held = if active.is_empty() && mechanics.slides.is_empty() {
-            Sticking {
-                field: mechanics.field.clone(),
-                ..Sticking::default()
-            }
-        } else {
-            mechanics.sticking(&active).ok()?
-        };
-        let contacts = mechanics.contacts.clone();
-        let graph = &mut mechanics.graph;
-        let rests: Vec<Vec<Expr>> = contacts
-            .iter()
-            .map(|contact| {
-                (contact.jump.iter().enumerate())
-                    .map(|(i, &jump)| {
-                        let state = graph.state(i);
-                        let stop = graph.mul(contact.rate, jump);
-                        graph.sub(state, stop)
-                    })
-                    .collect()
-            })
-            .collect();
-        let sequences = (contacts.iter().zip(&rests))
-            .map(|(contact, rest)| SequenceExprs::new(graph, contact, rest))
-            .collect();
-        Some(Self {
-            sequences,
-            grip,
-            field: held.field,
-            reactions: held.reactions,
-            shares: held.shares,
-            frictions: held.frictions,
-            impacts: contacts.into_iter().map(|c| c.after_impact).collect(),
-            rests,
-        })
-    }
 }
 
 impl Program {
@@ -670,76 +489,6 @@ impl Program {
                 .flat_map(SequenceTapes::tapes),
         )
     }
-}
-
-/// What ends a mode, in the order of its guards: of what happens at one instant resets come last, and sections after corners, which
-/// say whether they are crossed. All but sections that are
-/// crossed either way are positive until then.
-pub(crate) fn guard_functions(
-    graph: &mut Graph,
-    contacts: &[ContactMechanics],
-    (sections, limits): (&[Section], &Limits),
-    mode: &ModeExprs,
-) -> Vec<(GuardKind, Crossing, Expr)> {
-    let open = (0..contacts.len()).filter(|&index| !mode.grip.closed.contains(index));
-    let mut guards: Vec<(GuardKind, Crossing, Expr)> = open
-        .map(|index| {
-            (
-                GuardKind::Gap(index),
-                Crossing::Falling,
-                contacts[index].gap,
-            )
-        })
-        .collect();
-    for (contact, &reaction) in mode.grip.carrying().contacts().zip(&mode.reactions) {
-        let push = graph.neg(reaction);
-        guards.push((GuardKind::Reaction(contact), Crossing::Falling, push));
-    }
-    let (resets, looks): (Vec<_>, Vec<_>) =
-        (sections.iter().enumerate()).partition(|(_, section)| section.reset.is_some());
-    let mut crossed = |(index, section): (usize, &Section)| {
-        let (surface, crossing) = match section.direction {
-            Direction::Falling => (section.surface, Crossing::Falling),
-            Direction::Rising => (graph.neg(section.surface), Crossing::Falling),
-            Direction::Either => (section.surface, Crossing::Either),
-        };
-        (GuardKind::Section(index), crossing, surface)
-    };
-    let limits = limits.guards();
-    guards.extend(limits.map(|(kind, function)| (kind, Crossing::Falling, function)));
-    guards.extend(looks.into_iter().map(&mut crossed));
-    guards.extend(resets.into_iter().map(&mut crossed));
-    guards
-}
-
-/// The sides that contacts keep the state on, as surfaces and sections are constant multiples of gaps: by number of the guard that
-/// constant, with the sign of the side. As long as it keeps its sign nothing is crossed before the contact is met, whatever rounding says
-/// of which comes first, and the impact leads away from it.
-fn kept_by_contacts(
-    graph: &mut Graph,
-    contacts: &[ContactMechanics],
-    closed: Closed,
-    listed: &[(GuardKind, Crossing, Expr)],
-) -> Vec<(usize, Expr)> {
-    let mut kept = Vec::new();
-    for (guard, &(kind, _, function)) in listed.iter().enumerate() {
-        let keeps = |contact: usize, graph: &mut Graph| {
-            let factor = graph.factor_of(function, contacts[contact].gap)?;
-            let is_kept = match (kind, graph.as_number(factor)) {
-                (GuardKind::Section(_), _) => true,
-                (_, Some(number)) => number.high() > 0.0,
-                // A contact at rest says nothing of the sign of a parameter.
-                (_, None) => !closed.contains(contact),
-            };
-            is_kept.then_some(factor)
-        };
-        if matches!(kind, GuardKind::Switch(_) | GuardKind::Section(_))
-            && let Some(factor) = (0..contacts.len()).find_map(|contact| keeps(contact, graph))
-        {
-            kept.push((guard, factor));
-        }
-    }
-    kept
 }
 
 impl<R> ProgramConstants<R> {

@@ -1,6 +1,7 @@
 //! Modes of a system as C++: what a kernel written around them steps by.
 
-use super::program::{Closed, Grip, Program};
+use super::closed::{Closed, Grip};
+use super::program::Program;
 use crate::expressions::{Graph, NoSource, Sides};
 use crate::flow::system::System;
 

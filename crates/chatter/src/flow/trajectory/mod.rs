@@ -16,11 +16,11 @@ mod start;
 
 use super::chatter::{Accumulation, ChatterTracker};
 use super::error::FlowError;
+use super::modes::closed::{Closed, Grip};
 use super::modes::guard::{GuardKind, Transition};
 use super::modes::limits::Corner;
-use super::modes::program::{
-    Closed, Grip, IMPACT_SCALARS, Program, ProgramConstants, StandingTapes,
-};
+use super::modes::program::{IMPACT_SCALARS, Program, ProgramConstants};
+use super::modes::standing::StandingTapes;
 use super::occurrence::Occurrence;
 use super::sections::sides::Sides;
 use super::step::flight;

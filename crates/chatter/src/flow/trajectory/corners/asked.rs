@@ -3,8 +3,9 @@
 use super::Candidate;
 use crate::expressions::{Asked, LookedUpIn, Side};
 use crate::flow::error::FlowError;
+use crate::flow::modes::closed::Closed;
 use crate::flow::modes::limits::Corner;
-use crate::flow::modes::program::{Closed, Program};
+use crate::flow::modes::program::Program;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::step::Workspace;
 use crate::flow::system::System;

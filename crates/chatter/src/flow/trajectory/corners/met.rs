@@ -3,8 +3,8 @@
 use super::Standing;
 use crate::expressions::Surfaces;
 use crate::flow::error::FlowError;
+use crate::flow::modes::closed::Closed;
 use crate::flow::modes::limits::Corner;
-use crate::flow::modes::program::Closed;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;

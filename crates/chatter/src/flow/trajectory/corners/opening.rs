@@ -3,9 +3,9 @@
 use super::Candidate;
 use crate::expressions::Side;
 use crate::flow::error::FlowError;
+use crate::flow::modes::closed::Closed;
 use crate::flow::modes::guard::GuardKind;
 use crate::flow::modes::limits::Corner;
-use crate::flow::modes::program::Closed;
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
 use crate::flow::trajectory::Trajectory;

@@ -5,7 +5,7 @@ use super::choice::{Asked, Fields, vanishes};
 use crate::expressions::Side;
 use crate::flow::error::FlowError;
 use crate::flow::modes::limits::Corner;
-use crate::flow::modes::program::STANDING_ORDERS;
+use crate::flow::modes::standing::STANDING_ORDERS;
 use crate::flow::system::System;
 use crate::flow::trajectory::Trajectory;
 use crate::numerics::{Real, WithTerms};

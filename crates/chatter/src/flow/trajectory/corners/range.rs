@@ -4,8 +4,8 @@
 use super::Standing;
 use crate::expressions::LookedUpIn;
 use crate::flow::error::FlowError;
+use crate::flow::modes::closed::Closed;
 use crate::flow::modes::limits::Corner;
-use crate::flow::modes::program::Closed;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::step::Workspace;
 use crate::flow::system::System;

@@ -17,9 +17,11 @@
 use super::Candidate;
 use crate::expressions::Side;
 use crate::flow::error::FlowError;
+use crate::flow::modes::closed::Closed;
 use crate::flow::modes::guard::GuardKind;
 use crate::flow::modes::limits::Corner;
-use crate::flow::modes::program::{Closed, Program, ProgramConstants, StandingTapes};
+use crate::flow::modes::program::{Program, ProgramConstants};
+use crate::flow::modes::standing::StandingTapes;
 use crate::flow::step::resolve::{Resolution, expand_within_reach};
 use crate::flow::step::{NO_EVENT, Workspace};
 use crate::flow::system::System;

@@ -7,7 +7,7 @@ use crate::expressions::{Side, Sides, Surfaces};
 use crate::flow::error::FlowError;
 use crate::flow::modes::guard::GuardKind;
 use crate::flow::modes::limits::Corner;
-use crate::flow::modes::program::STANDING_ORDERS;
+use crate::flow::modes::standing::STANDING_ORDERS;
 use crate::flow::system::System;
 use crate::flow::touching::Touching;
 use crate::flow::trajectory::Trajectory;

@@ -9,19 +9,19 @@
 //! the event while it lasts: m + f s with the shift s = -grad(h) m / v of its time, and m - f s again afterwards. Where
 //! flights of several contacts end at once each has a shift of its own (`orders`).
 
+use super::burst::BURST;
 use super::cascade::Cascade;
 use super::orders::NoDerivative;
-use super::sequence::BURST;
 use super::tops::Tops;
 use crate::expressions::Tape;
 use crate::flow::chatter::LocalPoint;
 use crate::flow::error::FlowError;
-use crate::flow::modes::program::Closed;
+use crate::flow::modes::closed::Closed;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::step::flight;
 use crate::flow::step::{FOREVER, Workspace, flight_time, legal_rates};
 use crate::flow::system::System;
-use crate::flow::touch::{Sliding, Touch, TouchConstants, Touches};
+use crate::flow::touch::Touch;
 use crate::flow::trajectory::Trajectory;
 use crate::flow::trajectory::corners::Earlier;
 use crate::model::Simultaneous;
@@ -33,9 +33,6 @@ const TOLD: u64 = 64;
 
 /// A cascade has converged long before, whatever the restitution, unless one body is a million times as heavy as another.
 const MOST: u64 = 1_000_000;
-
-/// So often collisions of squeezed bodies may end in those of others that they squeeze, at one instant.
-const MOST_SQUEEZES: usize = 24;
 
 /// A cascade that is told as a whole stops where no rate is closing by more than rounding; what it would still do to the rates
 /// of contacts beside is a few times that.
@@ -410,107 +407,6 @@ impl<R: Real> Trajectory<R> {
         Ok(())
     }
 
-    /// Brings all contacts to rest whose remaining motion, which may take this long, is below rounding: chatter of several at once, of so
-    /// many impacts. Returns whether there were any.
-    ///
-    /// The impulse that does so may take others along that touch as well, and still move: those come to rest with them, or
-    /// collide now.
-    pub(super) fn end_burst(
-        &mut self,
-        system: &System,
-        work: &mut Workspace<R>,
-        (span, impacts): (R, u64),
-    ) -> Result<bool, FlowError> {
-        let mut decided = self.closed;
-        let mut ended = false;
-        loop {
-            let touch = self.touch_values(system)?;
-            let near = self.near_contacts(&touch, span, |rate, slow| rate <= slow);
-            let Some(contact) = Closed(near.0 & !decided.0).contacts().next() else {
-                break;
-            };
-            if !ended {
-                self.pending.push_back(Occurrence::Accumulation {
-                    contact,
-                    impacts,
-                    error: (span * flights_of_sequence(&touch, near)).to_f64(),
-                });
-            }
-            ended = true;
-            decided = Closed(decided.0 | near.0);
-            self.bring_to_rest(system, work, Closed(near.0 & !self.closed.0))?;
-        }
-        if ended {
-            self.burst = 0;
-            self.end_squeeze(system, work)?;
-        }
-        Ok(ended)
-    }
-
-    /// A body that is squeezed hits both its neighbours ever faster, and meets them at one instant with a rate that is
-    /// none: from where gaps are below rounding these are collisions of that instant. Returns whether there are any.
-    pub(super) fn end_squeeze(
-        &mut self,
-        system: &System,
-        work: &mut Workspace<R>,
-    ) -> Result<bool, FlowError> {
-        let touch = self.touch_values(system)?;
-        let near = self.near_contacts(&touch, self.rest_of_burst(), |_, _| true);
-        let touching = Closed(self.closed.0 | near.0);
-        let rate = |contact: usize| touch.rate[contact].value;
-        let slower = |a: &usize, b: &usize| {
-            let order = rate(*a).partial_cmp(&rate(*b));
-            order.unwrap_or(core::cmp::Ordering::Equal)
-        };
-        let Some(fastest) = touching.contacts().min_by(slower) else {
-            return Ok(false);
-        };
-        let before = (self.rates_of_instant.get(fastest)).map_or(R::ZERO, |&rate| rate);
-        let level = touch.rate[fastest]
-            .level()
-            .max(WithTerms::exact(before).level());
-        let closes = rate(fastest) < -level;
-        if !closes || touching.contacts().count() < 2 {
-            return Ok(false);
-        }
-        if self.squeezes >= MOST_SQUEEZES {
-            return Err(FlowError::ImpactsWithoutEnd {
-                time: self.time.to_f64(),
-                count: self.squeezes,
-            });
-        }
-        self.squeezes += 1;
-        let told = self.collide(system, work, fastest, touching);
-        self.squeezes -= 1;
-        self.pending.extend(told?);
-        Ok(true)
-    }
-
-    /// How long what is left of impacts that follow each other within a roundoff of the time may take, and how many there were.
-    pub(super) fn burst_within_rounding(&self) -> (R, u64) {
-        (self.rest_of_burst(), self.burst as u64)
-    }
-
-    /// What is left of a sequence whose flights are below rounding may take this long.
-    pub(in crate::flow::trajectory) fn rest_of_burst(&self) -> R {
-        const FLIGHTS_LEFT: f64 = 64.0;
-        self.negligible() * R::splat(FLIGHTS_LEFT)
-    }
-
-    /// Contacts that could be met within this time, with a rate and what changes it in that time as asked.
-    fn near_contacts(&self, touch: &Touch<R>, span: R, asked: impl Fn(R, R) -> bool) -> Closed {
-        let accelerations = touch.greatest_accelerations();
-        let mut near = Closed::NONE;
-        for (contact, (gap, rate)) in touch.gap.iter().zip(&touch.rate).enumerate() {
-            let slow = rate.level().max(accelerations[contact] * span);
-            let reached = gap.level().max((rate.value.abs() + slow) * span);
-            if gap.value.abs() <= reached && asked(rate.value.abs(), slow) {
-                near = near.with(contact);
-            }
-        }
-        near
-    }
-
     /// Flights shorter than this are a roundoff of the time, or of the longest step before.
     pub(in crate::flow::trajectory) fn negligible(&self) -> R {
         flight::negligible(self.time, self.longest_step)
@@ -521,73 +417,6 @@ impl<R: Real> Trajectory<R> {
     pub(in crate::flow::trajectory) fn instant(&self) -> R {
         const ROUNDOFFS: f64 = 8.0;
         self.negligible() * R::splat(ROUNDOFFS)
-    }
-
-    /// All contacts at the present state.
-    pub(in crate::flow::trajectory) fn touch_values(
-        &self,
-        system: &System,
-    ) -> Result<Touch<R>, FlowError> {
-        let (touches, constants) = self.touches(system)?;
-        let touch = touches.at(constants, &self.state, &self.low);
-        if touch.is_finite() {
-            Ok(touch)
-        } else {
-            Err(self.undefined_here(system))
-        }
-    }
-
-    /// How jumps of these contacts change their rates.
-    pub(in crate::flow::trajectory) fn coupling(
-        &self,
-        system: &System,
-        contacts: &[usize],
-    ) -> Result<Vec<Vec<R>>, FlowError> {
-        let (touches, constants) = self.touches(system)?;
-        Ok(touches
-            .at(constants, &self.state, &self.low)
-            .block(contacts))
-    }
-
-    /// What says of all contacts at once, on the sides where the state is, with its constants.
-    pub(in crate::flow::trajectory) fn touches<'s>(
-        &'s self,
-        system: &'s System,
-    ) -> Result<(&'s Touches, &'s TouchConstants<R>), FlowError> {
-        let touches = system.touches(self.flight);
-        let constants = self.touch_constants.get(self.flight);
-        touches
-            .zip(constants.and_then(Option::as_ref))
-            .ok_or_else(|| self.left_domain())
-    }
-
-    pub(super) fn after_collision(
-        &self,
-        system: &System,
-        contact: usize,
-    ) -> Result<(Vec<R>, Vec<R>), FlowError> {
-        let (touches, constants) = self.touches(system)?;
-        Ok(touches.after_collision(constants, contact, &self.state, &self.low))
-    }
-
-    /// Friction of a contact at an impact; none without any.
-    pub(super) fn sliding(
-        &self,
-        system: &System,
-        contact: usize,
-    ) -> Result<Option<Sliding<R>>, FlowError> {
-        let (touches, constants) = self.touches(system)?;
-        Ok(touches.sliding(constants, contact, &self.state, &self.low))
-    }
-
-    /// The rate of sliding of a contact with friction.
-    pub(in crate::flow::trajectory) fn rate_of_sliding(
-        &self,
-        system: &System,
-        contact: usize,
-    ) -> Result<Option<WithTerms<R>>, FlowError> {
-        let (touches, constants) = self.touches(system)?;
-        Ok(touches.rate_of_sliding(constants, contact, (&self.state, &self.low)))
     }
 
     fn check_restitution(&self, contact: usize, value: R) -> Result<(), FlowError> {
@@ -736,14 +565,6 @@ impl<R: Real> Collisions<R> {
         let shares = self.touching.contacts().map(share);
         shares.filter(|share| share.is_finite()).fold(0.0, f64::max)
     }
-}
-
-/// How many flights as long as its first a sequence of the contact that loses least lasts, 1 / (1 - r): a rounding error of a
-/// rate changes the lengths of all that follow.
-fn flights_of_sequence<R: Real>(touch: &Touch<R>, contacts: Closed) -> R {
-    let restitutions = contacts.contacts().map(|i| touch.restitution[i].value);
-    let loss = restitutions.fold(R::ONE, |least, r| least.min(R::ONE - r));
-    R::ONE / loss.max(R::splat(R::ROUNDOFF))
 }
 
 /// Whether the rates after all collisions depend on which of two contacts that close goes first; if so, which.

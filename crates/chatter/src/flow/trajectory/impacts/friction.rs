@@ -5,8 +5,8 @@
 
 use crate::expressions::Side;
 use crate::flow::error::FlowError;
+use crate::flow::modes::closed::Closed;
 use crate::flow::modes::limits::Corner;
-use crate::flow::modes::program::Closed;
 use crate::flow::system::System;
 use crate::flow::touch::{Sliding, Touch};
 use crate::flow::trajectory::Trajectory;

@@ -6,7 +6,7 @@
 //! displaced or not, and what closes fastest goes first: there is one derivative unless another closes as fast.
 
 use crate::flow::error::FlowError;
-use crate::flow::modes::program::Closed;
+use crate::flow::modes::closed::Closed;
 use crate::flow::step::Workspace;
 use crate::flow::system::System;
 use crate::flow::touch::Touch;

@@ -1,9 +1,11 @@
 //! The sequence that an impact belongs to: it goes on, or chatter ends.
 
+use super::burst::{BURST, LONGEST_BURST};
 use crate::expressions::Operand;
 use crate::flow::chatter::{Accumulation, LocalPoint, SequenceMap};
 use crate::flow::error::FlowError;
-use crate::flow::modes::program::{Closed, Program};
+use crate::flow::modes::closed::Closed;
+use crate::flow::modes::program::Program;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::step::flight;
 use crate::flow::step::flight::ASKED_ROUNDOFFS;
@@ -19,12 +21,6 @@ const AT_REST: f64 = 1e-12;
 
 /// Rounding errors of the flights of a sequence add up like the steps of a random walk of this many roundoffs each.
 const WALK_ROUNDOFFS: f64 = 4.0;
-
-/// After so many impacts in a time that is below rounding it is asked which contacts have come to rest together; …
-pub(super) const BURST: usize = 64;
-
-/// … and more than these do not happen at one instant.
-const LONGEST_BURST: usize = 100_000;
 
 impl<R: Real> Trajectory<R> {
     #[inline(always)]

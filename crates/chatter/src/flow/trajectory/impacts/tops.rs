@@ -6,8 +6,9 @@
 
 use crate::flow::chatter::Turn;
 use crate::flow::error::FlowError;
+use crate::flow::modes::closed::Closed;
 use crate::flow::modes::limits::Corner;
-use crate::flow::modes::program::{Closed, IMPACT_SCALARS, ProgramConstants};
+use crate::flow::modes::program::{IMPACT_SCALARS, ProgramConstants};
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
 use crate::flow::trajectory::Trajectory;

@@ -1,7 +1,7 @@
 //! Where contacts of a model first rest along its own motion.
 
 use crate::flow::error::FlowError;
-use crate::flow::modes::program::Grip;
+use crate::flow::modes::closed::Grip;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::system::System;
 

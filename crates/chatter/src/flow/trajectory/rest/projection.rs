@@ -2,7 +2,7 @@
 
 use crate::expressions::{Expansion, Tape};
 use crate::flow::error::FlowError;
-use crate::flow::modes::program::Closed;
+use crate::flow::modes::closed::Closed;
 use crate::flow::step::Workspace;
 use crate::flow::system::System;
 use crate::flow::touch::Touch;

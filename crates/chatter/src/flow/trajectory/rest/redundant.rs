@@ -4,8 +4,8 @@
 
 use crate::expressions::{Operand, Side, Sides};
 use crate::flow::error::FlowError;
+use crate::flow::modes::closed::{Closed, Grip};
 use crate::flow::modes::guard::GuardKind;
-use crate::flow::modes::program::{Closed, Grip};
 use crate::flow::occurrence::Occurrence;
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;

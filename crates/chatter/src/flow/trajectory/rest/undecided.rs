@@ -3,8 +3,9 @@
 
 use crate::expressions::{Operand, Tape};
 use crate::flow::error::FlowError;
+use crate::flow::modes::closed::Closed;
 use crate::flow::modes::guard::{Guard, GuardKind};
-use crate::flow::modes::program::{Closed, Program};
+use crate::flow::modes::program::Program;
 use crate::flow::step::{ORDER_CLASSES, Workspace};
 use crate::flow::system::System;
 use crate::flow::touch::{after_all_roots, series_with_terms, with_terms};
