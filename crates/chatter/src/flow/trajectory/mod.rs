@@ -6,27 +6,28 @@
 
 mod alone;
 mod corners;
+mod digest;
 mod impacts;
 mod ordinary;
 mod recurrence;
 mod reset;
 mod rest;
 mod roots;
+mod settled;
 mod start;
 
 use super::chatter::{Accumulation, ChatterTracker};
 use super::error::FlowError;
 use super::modes::closed::{Closed, Grip};
-use super::modes::guard::{GuardKind, Transition};
+use super::modes::guard::GuardKind;
 use super::modes::limits::Corner;
-use super::modes::program::{IMPACT_SCALARS, Program, ProgramConstants};
+use super::modes::program::{Program, ProgramConstants};
 use super::modes::standing::StandingTapes;
 use super::occurrence::Occurrence;
 use super::sections::sides::Sides;
 use super::step::flight;
 use super::step::flight::Outcome;
-use super::step::resolve::{Resolution, Unsettled, crossed_here, resolve};
-use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
+use super::step::{NO_EVENT, ORDER_CLASSES, Workspace};
 use super::system::System;
 use super::touch::{TouchConstants, with_terms};
 use super::touching::{Left, Touching};
@@ -141,9 +142,6 @@ pub struct Trajectory<R> {
     pending: VecDeque<Occurrence<R>>,
     untold: Untold<R>,
 }
-
-/// So many steps of which nothing is told take time.
-const MOST_SILENT: usize = 10_000;
 
 /// What the kernel found for one trajectory.
 #[derive(Clone, Copy, Debug)]
@@ -332,158 +330,6 @@ impl<R: Real> Trajectory<R> {
         }
     }
 
-    /// Moves by a step that could not be certified, with full root isolation.
-    pub(crate) fn advance_settled(
-        &mut self,
-        system: &System,
-        work: &mut Workspace<R>,
-        program: &Program,
-    ) -> Result<Option<Occurrence<R>>, FlowError> {
-        let result = match self.settle(system, work, program) {
-            Err(FlowError::UndecidedRelease { contact, .. })
-                if self.roots(system, GuardKind::Gap(contact)) == 1 =>
-            {
-                // The rate after an impact is none any more. Where contacts chatter in turn, all their impacts of this instant
-                // led to it.
-                self.sequence = self.sequence.max(self.burst as u64);
-                return self.end_here(system, work, contact).map(Some);
-            }
-            settled => settled?,
-        };
-        self.accept(work);
-        let told = self.digest(system, work, program, &result)?;
-        let (count, since) = self.silent;
-        let has_moved = (self.time - since).abs() > self.negligible();
-        self.silent = match told.is_some() || has_moved {
-            true => (0, self.time),
-            false => (count + 1, since),
-        };
-        // What grows without bound comes to no end of numbers by steps that columns of derivatives are made units between.
-        if self.silent.0 > MOST_SILENT {
-            return Err(self.undefined_here(system));
-        }
-        Ok(told)
-    }
-
-    /// Redoes a step that could not be certified, from this trajectory's state, with full root isolation.
-    fn settle(
-        &self,
-        system: &System,
-        work: &mut Workspace<R>,
-        program: &Program,
-    ) -> Result<StepResult<R>, FlowError> {
-        if let Some(leaving) = self.vector_left(system, program) {
-            return self.leave_zero(system, work, leaving);
-        }
-        let class = self.load(work);
-        let mut resolved = resolve(work, program, class, (self.touching, self.left));
-        let is_untold = work.event == R::splat(NO_EVENT) && work.is_untold();
-        let mut at_root = None;
-        if program.roots_at_sides && is_untold && resolved.is_ok() {
-            at_root = self.come_to_root(system, work, (program, None));
-            if at_root.is_none() {
-                let class = self.load(work);
-                resolved = resolve(work, program, class, (self.touching, self.left));
-            }
-        }
-        let resolution = match (at_root, resolved) {
-            (Some(resolution), _) => resolution,
-            (None, Ok(mut resolution)) => {
-                // A root ends where what it is taken of only touches zero.
-                let ends = |&index: &usize| program.guards[index].ends_a_root(&program.tape);
-                if let Some(index) = resolution.touched.filter(ends) {
-                    work.event = R::splat(index as f64);
-                    resolution.touched = None;
-                }
-                work.travel();
-                resolution
-            }
-            (None, Err(unsettled)) => {
-                let singular = match unsettled {
-                    Unsettled::Singular { which, .. } => Some(which),
-                    Unsettled::NotFinite => work.vanishing(program),
-                    Unsettled::Stuck(_) => None,
-                };
-                // Next to a root what it drives seems to vanish as soon.
-                let other = |nearest: &usize| singular.is_some_and(|which| which != *nearest);
-                let nearest = work.vanishing(program).filter(other);
-                let mut tried = singular.into_iter().chain(nearest);
-                let off =
-                    tried.find_map(|which| self.step_off_root(system, work, (program, which)));
-                let off = off.or_else(|| self.come_to_root(system, work, (program, singular)));
-                let start = (self.time, &self.state[..self.coordinates]);
-                off.ok_or_else(|| unsettled.into_error(start, (system, program)))?
-            }
-        };
-        let crowd = self.crowd(work, program);
-        if crowd == Closed::NONE {
-            work.collide(program);
-        }
-        if !work.state.iter().all(|x| x.is_finite()) {
-            return Err(self.left_domain());
-        }
-        let mut result = self.result(work);
-        let Resolution {
-            touched,
-            shortened,
-            jumped,
-        } = resolution;
-        result.touched = touched;
-        result.jumped = jumped;
-        result.at_horizon &= !shortened;
-        result.crowd = crowd;
-        let gap = |slot, roots| work.value_at_end(&program.tape, slot, roots);
-        result.gap = self.gap_at_end((program, self.touching), &result, gap);
-        Ok(result)
-    }
-
-    /// The contacts beside the one that ended the step whose gaps cannot be told from zero there.
-    fn crowd(&self, work: &Workspace<R>, program: &Program) -> Closed {
-        let event = work.event.to_f64();
-        let at = |index: usize| index as f64 == event;
-        let mut crowd = Closed::NONE;
-        for (index, guard) in program.guards.iter().enumerate() {
-            if let Some(contact) = guard.closing()
-                && !at(index)
-                && work.closes_too(program, index, self.touching)
-            {
-                crowd = crowd.with(contact);
-            }
-        }
-        let impact = (program.guards.iter().enumerate())
-            .any(|(index, guard)| at(index) && guard.closing().is_some());
-        if impact { crowd } else { Closed::NONE }
-    }
-
-    /// Whether the latest event took the trajectory across a section; and if so, whether by a jump.
-    fn crosses_here(&self, system: &System, work: &mut Workspace<R>) -> Option<bool> {
-        let program = system.program(self.mode)?;
-        let class = (system.sections() > 0).then(|| self.load(work))?;
-        crossed_here(work, program, class, (self.touching, self.flight_time))
-    }
-
-    /// Tells of a section that the latest event took the trajectory across, before the next event or the end.
-    fn cross_here(
-        &mut self,
-        system: &System,
-        work: &mut Workspace<R>,
-        program: &Program,
-    ) -> Result<Option<Occurrence<R>>, FlowError> {
-        let Some(jumped) = self.crosses_here(system, work) else {
-            return Ok(None);
-        };
-        let mut result = self.result(work);
-        (result.outcome.step, result.outcome.step_low) = (R::ZERO, R::ZERO);
-        result.event = Some(work.event.to_f64() as usize);
-        result.jumped = jumped;
-        result.gap = self.known_gap;
-        self.keep_sides(work);
-        let told = self.digest(system, work, program, &result)?;
-        // There may be another.
-        self.may_have_crossed = true;
-        Ok(told)
-    }
-
     #[inline(always)]
     fn program<'s>(&self, system: &'s System) -> Result<&'s Program, FlowError> {
         system
@@ -549,172 +395,6 @@ impl<R: Real> Trajectory<R> {
         }
     }
 
-    /// Says what a step means whose end (state, remainder and reach) is already in place.
-    pub(crate) fn digest(
-        &mut self,
-        system: &System,
-        work: &mut Workspace<R>,
-        program: &Program,
-        result: &StepResult<R>,
-    ) -> Result<Option<Occurrence<R>>, FlowError> {
-        if let Some(told) = self.digest_ordinary(system, program, result) {
-            return Ok(told.map(Occurrence::ordinary_impact));
-        }
-        self.digest_event(system, work, program, result)
-    }
-
-    /// Says what a step means that is no ordinary one.
-    fn digest_event(
-        &mut self,
-        system: &System,
-        work: &mut Workspace<R>,
-        program: &Program,
-        result: &StepResult<R>,
-    ) -> Result<Option<Occurrence<R>>, FlowError> {
-        let before = self.doubtful_gap(system, result)?;
-        let told = self.follow_event(system, work, program, result)?;
-        let stays = before.is_some() && self.doubtful_gap(system, result)? == before;
-        self.known_gap = result.gap.filter(|_| stays);
-        Ok(told)
-    }
-
-    fn follow_event(
-        &mut self,
-        system: &System,
-        work: &mut Workspace<R>,
-        program: &Program,
-        result: &StepResult<R>,
-    ) -> Result<Option<Occurrence<R>>, FlowError> {
-        let Outcome {
-            step,
-            step_low,
-            impact,
-            flight_time,
-        } = result.outcome;
-        self.advance_time((step, step_low));
-        (self.met, self.met_with) = (None, Surfaces::default());
-        let undisturbed =
-            (result.event).is_none_or(|index| program.guards[index].section().is_some());
-        self.may_have_crossed = !undisturbed || result.touched.is_some();
-        // As a contact opens nothing jumps: what another has left, at the same instant perhaps, it has left still.
-        let opens = (result.event).is_some_and(|index| {
-            matches!(program.guards[index].transition, Transition::Open { .. })
-        });
-        self.left = if undisturbed || opens {
-            self.left.after(self.touching, step)
-        } else {
-            Left::NONE
-        };
-        let negligible = self.negligible();
-        let balanced = self.balanced(program);
-        self.at_instant = if step > negligible {
-            Touching::NONE
-        } else {
-            self.touching
-        };
-        if !(undisturbed || opens) {
-            self.touching = Touching::NONE;
-        } else if step > negligible {
-            self.touching = balanced;
-        }
-        if step > negligible {
-            self.burst = 0;
-            self.rates_of_instant.clear();
-            self.longest_step = self.longest_step.max(step);
-        }
-        if !program.residuals.outputs.is_empty() {
-            // An impulse that is in the state already may have taken it off what it slid along.
-            let has_collided = (result.event).is_some_and(|index| {
-                let transition = &program.guards[index].transition;
-                matches!(transition, Transition::Impact { .. }) && result.crowd == Closed::NONE
-            });
-            self.stay_on_contacts(system, work, !has_collided)?;
-        }
-        if let Some(index) = result.touched {
-            self.touching.set(index, 2);
-            self.flight_time = R::splat(FOREVER);
-            return self.graze(system, program, index);
-        }
-        let Some(index) = result.event else {
-            // The rest of a predicted flight, if a section or the horizon cut it.
-            self.flight_time = self.rest_of_flight(step);
-            if result.at_horizon {
-                // The state is where the step led, a rounding error of it off: the remainder keeps that, or it would add up
-                // from one horizon to the next.
-                let late = -self.remaining();
-                self.time = self.horizon;
-                self.time_low = self.horizon_low + late;
-                return Ok(Some(Occurrence::Horizon));
-            }
-            return Ok(None);
-        };
-        let guard = &program.guards[index];
-        self.ended_by = Some(guard.kind);
-        match guard.transition {
-            Transition::Reset { section } => {
-                self.flight_time = self.rest_of_flight(step);
-                self.came_by_jump = result.jumped;
-                self.reset(system, work, (section, result.jumped)).map(Some)
-            }
-            Transition::Cross { section } => {
-                if !result.jumped {
-                    self.touching.set(index, 1);
-                }
-                self.flight_time = self.rest_of_flight(step);
-                Ok(Some(Occurrence::Section { section }))
-            }
-            Transition::HandOver { contact } => {
-                self.tracker.interrupt();
-                self.hand_over(system, work, contact)
-            }
-            Transition::Open { contact } => {
-                self.tracker.interrupt();
-                self.let_go(system, work, contact)
-            }
-            Transition::Meet(corner) => self.meet_corner(system, work, (corner, true)),
-            Transition::Part(corner) => self.meet_corner(system, work, (corner, false)),
-            Transition::LeaveTable { lookup } => self.leave_table(system, work, lookup),
-            Transition::Jam { contact } => Err(self.jammed(contact)),
-            Transition::LeaveDomain => Err(self.left_domain()),
-            Transition::Impact { contact } if result.crowd == Closed::NONE => {
-                self.flight_time = flight_time;
-                self.touching.set(index, 1);
-                self.meet_contact(system, work, (index, contact), impact)
-            }
-            Transition::AskImpact { contact } if result.crowd == Closed::NONE => {
-                self.ask_impact(system, work, (index, contact))
-            }
-            Transition::Impact { contact }
-            | Transition::AskImpact { contact }
-            | Transition::Collide { contact } => {
-                let touching = Closed(self.closed.0 | result.crowd.0).with(contact);
-                self.collide(system, work, contact, touching)
-            }
-        }
-    }
-
-    /// An impact that the step which ended there has applied.
-    fn meet_contact(
-        &mut self,
-        system: &System,
-        work: &mut Workspace<R>,
-        (index, contact): (usize, usize),
-        impact: [R; IMPACT_SCALARS],
-    ) -> Result<Option<Occurrence<R>>, FlowError> {
-        if impact[2] > R::ZERO && self.only_touches(&impact) {
-            return self.pass_by(system, (index, contact), &impact);
-        }
-        self.touched_at = self.time;
-        if let Some(told) = self.moved_apart(system, work, contact, &impact)? {
-            return Ok(Some(told));
-        }
-        if system.corners().is_empty() {
-            let program = self.program(system)?;
-            return self.after_impact(system, work, program, (contact, &impact));
-        }
-        self.after_impact_at_corners(system, work, contact, impact)
-    }
-
     /// The rate of each coordinate, and how large the terms are that it is the sum of.
     pub(crate) fn rates(&self, system: &System) -> Option<Vec<WithTerms<R>>> {
         let (program, constants) = (
@@ -730,39 +410,8 @@ impl<R: Real> Trajectory<R> {
         flight::rest_of_flight(self.flight_time, step)
     }
 
-    /// The closed contacts whose reaction vanishes for good.
-    fn balanced(&self, program: &Program) -> Touching {
-        let mut balanced = Touching::NONE;
-        if self.closed == Closed::NONE {
-            return balanced;
-        }
-        for (index, guard) in program.guards.iter().enumerate() {
-            if guard.is_balanced(self.touching.get(index)) {
-                balanced.set(index, Touching::BALANCED);
-            }
-        }
-        balanced
-    }
-
     fn advance_time(&mut self, step: (R, R)) {
         (self.time, self.time_low) = flight::later((self.time, self.time_low), step);
-    }
-
-    fn graze(
-        &mut self,
-        system: &System,
-        program: &Program,
-        index: usize,
-    ) -> Result<Option<Occurrence<R>>, FlowError> {
-        self.tracker.interrupt();
-        let Some(contact) = program.guards[index].closing() else {
-            return Ok(None);
-        };
-        let [_, rate] = self.local_up_to(system, contact)?;
-        Ok(Some(Occurrence::Graze {
-            contact,
-            rate: rate.value,
-        }))
     }
 
     /// That what must not vanish in the present mode does so, and how near it is to that.
