@@ -32,7 +32,7 @@ pub(crate) fn reread(
         _ => tracer.trajectory.state().to_vec(),
     };
     let known = (workshop, &*parameters);
-    let sizes = sizes_along(known, (&instants, &last), &turns);
+    let sizes = sizes_along(known, (&instants, &last, period), &turns);
     let mut ends = (state.clone(), last);
     let a_period =
         |from: &Instant, to: &Instant| (to.time - from.time - period).abs() <= 2.0 * LATE * period;
@@ -85,16 +85,21 @@ pub(crate) fn reread(
 }
 
 /// Sizes of states at instants, and of one more: none less than how far it moves in the time from each to the next, as that of a foot which is on the
-/// ground whenever something happens.
+/// ground whenever something happens. Where nothing does that time is the period: on what one rests on it may be zero just there.
 fn sizes_along(
     (workshop, parameters): (&Workshop, &[f64]),
-    (instants, last): (&[Instant], &Vec<f64>),
+    (instants, last, period): (&[Instant], &Vec<f64>, f64),
     turns: &[Turn<f64>],
 ) -> Vec<f64> {
     let mut sizes = sizes(states(instants).chain([last]), turns);
     let ways = instants
         .windows(2)
         .map(|pair| (&*pair[0].state, pair[1].time - pair[0].time));
+    let whole = match instants {
+        [alone] => Some((&*alone.state, period)),
+        _ => None,
+    };
+    let ways = ways.chain(whole);
     take_in_moves(&mut sizes, (&workshop.model, parameters), ways);
     for turn in turns {
         sizes[turn.state] = turn.period;
@@ -150,8 +155,13 @@ pub(crate) fn through_impacts(
             });
         }
     }
-    let last = &instants[instants.len() - 1].state;
-    let sizes = sizes_along((workshop, &parameters), (&instants, last), &turns);
+    let [first, .., last] = &*instants else {
+        return Err(PeriodicError::Eventless {
+            time: instants[0].time,
+        });
+    };
+    let (way, last) = (last.time - first.time, &last.state);
+    let sizes = sizes_along((workshop, &parameters), (&instants, last, way), &turns);
     let steps = read((&workshop.system, &parameters), &instants)?;
     from_to(
         (workshop, &parameters),

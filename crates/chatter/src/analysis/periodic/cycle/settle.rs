@@ -631,10 +631,22 @@ pub(crate) fn loops(
         }
         (None, Some(section)) => {
             let most = (passed + periods + 2) * CHUNK;
-            tracer.follow((f64::MAX, most), &mut instants, &mut quiet)?;
-            let crossings: Vec<usize> = (0..instants.len())
-                .filter(|&index| instants[index].crosses(section))
-                .collect();
+            let crossings = |instants: &[Instant]| -> Vec<usize> {
+                (0..instants.len())
+                    .filter(|&index| instants[index].crosses(section))
+                    .collect()
+            };
+            // No longer than it takes: a motion that comes to rest crosses a section for ever.
+            let mut chunk = FIRST_CHUNK;
+            while instants.len() < most && crossings(&instants).len() <= passed + periods {
+                let enough = instants.len() + chunk;
+                tracer.follow((f64::MAX, chunk), &mut instants, &mut quiet)?;
+                if instants.len() < enough {
+                    break;
+                }
+                chunk = (2 * chunk).min(CHUNK);
+            }
+            let crossings = crossings(&instants);
             for count in 1..=periods {
                 if let (Some(&first), Some(&last)) =
                     (crossings.get(passed), crossings.get(passed + count))

@@ -3,6 +3,7 @@
 mod any_start;
 mod families;
 mod monitors;
+mod rest_begins;
 mod resumed;
 mod stations;
 mod steps;

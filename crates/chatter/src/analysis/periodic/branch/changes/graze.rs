@@ -26,6 +26,8 @@ pub(in crate::analysis::periodic::branch) const THERE: f64 = 1e-3;
 const SOLVED: f64 = 1e-12;
 /// A part of a direction that is less than this is rounding.
 const FLAT: f64 = 1e-6;
+/// A rate is none if it is this part of the fastest with which anything is met.
+const NO_RATE: f64 = 1e-12;
 /// Where a new sequence begins its steps, against those before.
 const CAREFUL: f64 = 0.05;
 
@@ -110,7 +112,12 @@ impl Walker {
         if let Broken::Inner(index, GuardKind::Gap(contact)) = broken
             && !self.is_resolved(&station, index, contact)
         {
-            return Stop::End(End::Rounding(there.impacts.unwrap_or_default()));
+            let end = End::Rounding(there.impacts.unwrap_or_default());
+            // An impact that leaves no rate is followed by a stay where the acceleration leads nowhere, and not by a flight.
+            return match self.begins_at_rest(&station, (index, contact)) {
+                true => Stop::Broken(end, Box::new(station)),
+                false => Stop::End(end),
+            };
         }
         if let Broken::Early(index, guard) = broken
             && self.shooting.asks(index, guard)
@@ -380,6 +387,15 @@ impl Walker {
         // From zero with this rate, and back to where both vanish: a cubic.
         let height = 4.0 / 27.0 * (rate * touch.time).abs();
         is_told(height, terms)
+    }
+
+    /// Whether a gap has no rate where a step begins.
+    fn begins_at_rest(&self, station: &Station, (index, contact): (usize, usize)) -> bool {
+        let (rate, _) = self.shooting.gap_rate(&station.at, (index, contact));
+        let fastest = (self.shooting.latest.iter())
+            .map(|landing| landing.surface_rate.abs())
+            .fold(0.0, f64::max);
+        rate.abs() <= NO_RATE * fastest
     }
 
     /// Whether the flight before an impact, if it begins with a release of the same contact, can be told from rounding of the gap.

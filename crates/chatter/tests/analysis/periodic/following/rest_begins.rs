@@ -1,0 +1,49 @@
+//! Where rest begins to last, or no longer does: the branch goes through from either side, at every step.
+
+use crate::periodic::{over, value, with};
+use chatter::analysis::periodic::{Branch, End, SpecialKind};
+
+fn through(text: &str, name: &str, range: (f64, f64), (start, step): (&str, f64)) -> Branch {
+    let mut found = over(&with(text, &[(name, start)]), name, range, (4, step));
+    assert_eq!(found.len(), 1, "from {start} by {step}");
+    let ends = &found[0].ends;
+    assert_eq!(ends, &[End::Range, End::Range], "from {start} by {step}");
+    found.remove(0)
+}
+
+/// A plastic impact is followed by rest where the force presses on, and else by flight: at omega = 2.0417898374475 that force is none, as a flight
+/// that begins where cos(omega t) vanishes and is over after a period tells in closed form. Nothing is singular there.
+#[test]
+fn what_a_plastic_impact_leaves_is_rest_or_flight() {
+    let text = "[parameters]\nomega = 2\n[flight]\nx = \"v\"\nv = \"cos(omega*t) - 0.1*v - x\"\n[[contact]]\nname = \"stop\"\n\
+        gap = \"-x\"\nimpulse = { v = -1 }\nrestitution = 0\n[section.strobe]\nsurface = \"sin(omega*t)\"\ndirection = \"rising\"\n\
+        [initial]\nx = -0.3\nv = 0\n";
+    for start in ["2.03", "2.06"] {
+        for step in [0.02, 0.2] {
+            let branch = through(text, "omega", (2.02, 2.07), (start, step));
+            let impacts = branch.points.iter().map(|point| point.impacts);
+            assert!(impacts.clone().all(|impacts| impacts == Some(1)));
+            assert!(branch.special.is_empty(), "{:?}", branch.special);
+        }
+    }
+}
+
+/// On a table that goes up and down by G g (period / 2 pi)^2 a ball rests up to G = 1.
+#[test]
+fn a_ball_rests_on_a_table_up_to_where_it_is_thrown() {
+    let text = "[parameters]\ng = 9.81\nG = 1\nomega = \"20*pi\"\nA = \"G*g/omega^2\"\n[flight]\ny = \"v\"\nv = \"-g\"\n\
+        [[contact]]\nname = \"table\"\ngap = \"y - A*sin(omega*t)\"\nimpulse = { v = 1 }\nrestitution = 0.5\n\
+        [section.strobe]\nsurface = \"sin(omega*t)\"\ndirection = \"rising\"\n[initial]\ny = 0.02\nv = 0\n";
+    for (start, step) in [("0.95", 0.2), ("1.02", 0.2), ("1.04", 0.1)] {
+        let branch = through(text, "G", (0.9, 1.05), (start, step));
+        let [touch] = &branch.special[..] else {
+            panic!("from {start}: {:?}", branch.special);
+        };
+        assert_eq!(
+            (touch.kind, touch.persists),
+            (SpecialKind::Touch, Some(true))
+        );
+        assert!((value(touch) - 1.0).abs() <= touch.error, "{touch:?}");
+        assert!(touch.error < 1e-13, "{touch:?}");
+    }
+}
