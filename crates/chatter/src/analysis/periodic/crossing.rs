@@ -270,6 +270,7 @@ impl Shooting<f64> {
             jump: Jump::None,
             ..kind
         });
+        let mut stands_for_it = false;
         let begin = match whole.passage {
             Passage::Timed(_) | Passage::Around(_) => {
                 let period = steps.iter().map(|step| step.duration).sum();
@@ -282,8 +283,12 @@ impl Shooting<f64> {
                 0
             }
             // The event at whose instant it is crossed stands for it.
-            _ if crossing.time <= AT_ENDS * whole.duration => index,
+            _ if crossing.time <= AT_ENDS * whole.duration => {
+                stands_for_it = true;
+                index
+            }
             _ if crossing.time >= (1.0 - AT_ENDS) * whole.duration => {
+                stands_for_it = true;
                 let mut next = self.after(index);
                 while steps[next].is_at_once() {
                     next = self.after(next);
@@ -316,6 +321,8 @@ impl Shooting<f64> {
         )?;
         let turns = self.workshop.closure.turns(&parameters)?;
         from_first_turn(&mut steps, &turns, &self.counts);
-        self.like(steps, at).map(Some)
+        let (mut shooting, at) = self.like(steps, at)?;
+        shooting.stands_for_section = stands_for_it;
+        Ok(Some((shooting, at)))
     }
 }

@@ -169,3 +169,43 @@ fn a_curve_of_folds_does_not_go_on_as_one_that_its_stay_does_not_lead_to() {
         }
     }
 }
+
+/// However wide the range that a curve of folds is followed over, and whatever its steps, it ends where its stay does, by what is extrapolated from longer
+/// ones: another curve of folds without it has a touch beside that, at a stiffness of 16.737.
+#[test]
+fn a_curve_of_folds_ends_where_its_stay_does_over_any_range() {
+    let model = model("preloaded_stop", &[("stiffness", "20")]);
+    let omega = 0.411_151_354_033_420_6;
+    let period = core::f64::consts::TAU / omega;
+    let known = Known {
+        kind: SpecialKind::Fold,
+        monitor: None,
+        state: vec![0.432_485_063_219_243, 0.124_948_735_338_264, period],
+        period,
+    };
+    for (range, longest_step) in [
+        ((10.0, 30.0), 0.05),
+        ((2.0, 80.0), 0.05),
+        ((1.0, 120.0), 0.02),
+    ] {
+        let limits = Limits {
+            range,
+            other: Some((0.408, 0.4115)),
+            impacts: 60,
+            points: 300,
+            longest_step,
+        };
+        let curve = curve_within(&model, ["omega", "stiffness"], (&known, omega), &limits).unwrap();
+        assert_eq!(
+            curve.ends,
+            [End::At(SpecialKind::Touch), End::Range],
+            "{range:?}"
+        );
+        let [touch] = of(&curve, SpecialKind::Touch)[..] else {
+            panic!("{range:?}: {:?}", curve.special)
+        };
+        let off = (touch[0] - 0.409_016_872_507_439).abs();
+        let off = off.max(1e-2 * (touch[1] - 16.692_779_377_694_5).abs());
+        assert!(off < 1e-13, "{range:?}: {touch:?}");
+    }
+}

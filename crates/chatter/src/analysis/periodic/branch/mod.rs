@@ -7,6 +7,7 @@
 //! ```text
 //! walker       one side of a branch, station by station
 //! between      special points between two stations
+//! at_events    stations that are the point of an event
 //! branch_point those where branches meet
 //! changes/     from one sequence of events to the next
 //!   holds        whether the sequence still does
@@ -16,6 +17,7 @@
 //!   turn         the same where the flow turns with the rate of the impact
 //!   corner       where an event comes to a corner that only it asks for
 //!   opening      where a contact at rest begins to open
+//!   root         where slopes of an event have no bound
 //! onward       past what equations can say, and where they may not go on
 //! ends/        where a branch is over
 //!   returns      it has come back to where it began
@@ -28,6 +30,7 @@
 //! kept/        how far a side has come, for another walk to go on from
 //! ```
 
+mod at_events;
 mod between;
 mod branch_point;
 mod changes;

@@ -143,6 +143,9 @@ impl Walker {
             let (next, step) = match curve.next(&mut self.shooting) {
                 Ok(found) => found,
                 Err(StepError::TooShort(error)) => {
+                    if let Some(end) = self.ends_beside_root(&curve.station, &here) {
+                        break end;
+                    }
                     // Where a crossing and the way back become one, no time is left between them.
                     self.settle(&curve.station);
                     let vanishes = self.shooting.impact_that_vanishes(&curve.station.at);
@@ -521,6 +524,7 @@ impl Walker {
         if end == End::Back {
             self.forget_way_back();
         }
+        self.leave_out_events();
         Side {
             points: self.points,
             special: self.special,

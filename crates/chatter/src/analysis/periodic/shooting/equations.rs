@@ -1,6 +1,7 @@
 //! Residual and Jacobian, and the functions that special points hold at zero.
 
 use super::Shooting;
+use super::workshop::Monitor;
 use crate::analysis::continuation::{Left, Linearised, Problem, Wrap, differenced};
 use crate::analysis::periodic::cycle::itinerary::Passage;
 use crate::analysis::periodic::multipliers::neutral;
@@ -35,28 +36,51 @@ impl<R: Real> Shooting<R> {
         self.steps.len() + 1 + index
     }
 
-    /// The same, with its derivatives.
+    /// The same, with its derivatives. Where an event stands for the crossing of the section at its instant the function is that of the state there, to first
+    /// order in the time between both: one that vanishes wherever that event is, as on a surface that is crossed, says by itself nothing of the instant.
     fn function(&self, index: usize, at: &[R]) -> Result<(R, Vec<R>), Left> {
-        let monitor = (self.workshop.monitors.get(index))
+        let workshop = &self.workshop;
+        let monitor = (workshop.monitors.get(index))
             .ok_or_else(|| Left::because(format_args!("there is no function {index}")))?;
-        let parameters = self.workshop.parameters(self.free(at));
+        let parameters = workshop.parameters(self.free(at));
         let node = self.told_node.unwrap_or(0).min(self.steps.len() - 1);
-        let of = |expr: Expr| {
-            let graph = &self.workshop.model.graph;
-            graph.evaluate(expr, self.node(at, node), &parameters)
-        };
-        let mut gradient = vec![R::ZERO; at.len()];
-        for (entry, &slope) in gradient[self.places[node]..]
-            .iter_mut()
-            .zip(&monitor.by_state)
+        let of =
+            |expr: Expr| (workshop.model.graph).evaluate(expr, self.node(at, node), &parameters);
+        let (mut value, mut gradient) = self.with_slopes(monitor, (at, node), &of);
+        if self.stands_for_section
+            && let Some(surface) = workshop.surface()
         {
-            *entry = of(slope);
+            let rate = |function: &Monitor| {
+                let rates = function.by_state.iter().zip(&workshop.model.states);
+                rates.fold(R::ZERO, |sum, (&by, state)| {
+                    sum + of(by) * of(state.derivative)
+                })
+            };
+            let part = rate(monitor) / rate(surface);
+            let (off, slopes) = self.with_slopes(surface, (at, node), &of);
+            value -= part * off;
+            (gradient.iter_mut().zip(slopes)).for_each(|(x, slope)| *x -= part * slope);
         }
+        Ok((value, gradient))
+    }
+
+    fn with_slopes(
+        &self,
+        function: &Monitor,
+        (at, node): (&[R], usize),
+        of: &impl Fn(Expr) -> R,
+    ) -> (R, Vec<R>) {
+        let mut gradient = vec![R::ZERO; at.len()];
+        let by_state = gradient[self.places[node]..].iter_mut();
+        by_state
+            .zip(&function.by_state)
+            .for_each(|(entry, &slope)| *entry = of(slope));
         let free = at.len() - self.workshop.free.len();
-        for (entry, &slope) in gradient[free..].iter_mut().zip(&monitor.by_parameter) {
-            *entry = of(slope);
-        }
-        Ok((of(monitor.value), gradient))
+        let by_parameter = gradient[free..].iter_mut();
+        by_parameter
+            .zip(&function.by_parameter)
+            .for_each(|(entry, &slope)| *entry = of(slope));
+        (of(function.value), gradient)
     }
 }
 

@@ -296,6 +296,7 @@ impl Shooting<f64> {
         // It is told after the same event as before.
         shooting.told_node = (self.told_node.filter(|&node| node < count))
             .map(|node| shooting.after(numbers[self.before(node)]));
+        shooting.stands_for_section = self.stands_for_section;
         let mut guess = shooting.guess(self.free(at));
         // The state between both is another one now.
         let left = |left: Left| PeriodicError::NoConvergence {

@@ -112,6 +112,8 @@ pub(crate) struct Shooting<R: Real> {
     pub told: Option<Vec<f64>>,
     /// The node that the orbit is told from where no crossing of the section is; the first until one was told.
     pub(super) told_node: Option<usize>,
+    /// Whether that, without a crossing, stands for one at its instant.
+    pub(in crate::analysis::periodic) stands_for_section: bool,
     /// The corner whose function is watched.
     corner: Option<corner::Watched<R>>,
     /// The normal of the plane that each step leads around to, empty for others; none before these are needed.
@@ -202,6 +204,7 @@ impl<R: Real> Shooting<R> {
             exchanges: Vec::new(),
             told: None,
             told_node: None,
+            stands_for_section: false,
             corner: None,
             planes: Vec::new(),
         };
@@ -584,6 +587,7 @@ impl Shooting<f64> {
         let (steps, counts) = (self.current_steps(at), self.counts.clone());
         let mut fine = Shooting::<DoubleDouble>::new(&self.workshop, steps, counts)?;
         fine.told_node = self.told_node;
+        fine.stands_for_section = self.stands_for_section;
         if let Some((step, guard)) = self.corner.as_ref().map(corner::Watched::place) {
             fine.watch_corner(step, guard)?;
         }

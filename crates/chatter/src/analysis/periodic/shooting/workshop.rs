@@ -154,6 +154,11 @@ impl Workshop {
         is_its_way && at(surface.value).abs() <= AT_ENDS * (rate * time).abs()
     }
 
+    /// The function of the section.
+    pub(super) fn surface(&self) -> Option<&Monitor> {
+        self.surface.as_ref()
+    }
+
     pub(in crate::analysis::periodic) fn leg(&self, kind: LegKind) -> Option<Arc<Leg>> {
         let mut known = self.legs.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, leg)) = known.iter().find(|(of, _)| *of == kind) {

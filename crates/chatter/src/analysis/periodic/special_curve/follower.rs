@@ -661,7 +661,7 @@ impl Follower {
         (station, ahead): (&Station, f64),
         bordered: &Bordered,
     ) -> Option<Stop> {
-        let lost = self.loses_stay((station, bordered), true);
+        let lost = self.loses_stay((&curve.station, station, bordered), true);
         let Some((onward, touch, vanishes)) = lost else {
             return self.ends_with_stay(curve, (station, bordered));
         };

@@ -2,6 +2,7 @@
 //! equations are singular at the touch, so that it is told of the orbit without.
 
 use super::follower::{Follower, Stop};
+use super::stay_end::KNOWN;
 use crate::analysis::continuation::{
     Condition as Row, Curve, Problem, Station, locate, newton, tangent,
 };
@@ -144,23 +145,28 @@ impl Follower {
         }
     }
 
-    /// Whether the stay at a station ends at such parameters: one that is all but over no farther than it may take to end, and another one
-    /// is to come nearer as it becomes shorter.
+    /// Whether the stay at a station, or at the one before, ends at such parameters: one that is all but over where the curve is extrapolated to end, or
+    /// if it cannot be, no farther than it may take to end; and another one is to come nearer as it becomes shorter.
     fn ends_at(
-        &self,
-        (station, bordered): (&Station, &Bordered),
+        &mut self,
+        (before, station, bordered): (&Station, &Station, &Bordered),
         first: usize,
         touch: &[f64],
     ) -> bool {
-        let shooting = &self.shooting;
-        let Some(place) = shooting.duration_place(shooting.after(first)) else {
+        let Some(place) = self.shooting.duration_place(self.shooting.after(first)) else {
             return false;
         };
-        if station.at[place] <= VANISHED * shooting.period() {
-            let sizes = &shooting.workshop.sizes;
-            return moved(shooting.free(&station.at), touch, sizes) <= AT_END;
+        if station.at[place] <= VANISHED * self.shooting.period() {
+            let end = self.without_time(before, place, bordered);
+            let (at, most) = match &end {
+                Some((end, _)) => (end, KNOWN),
+                None => (&station.at, AT_END),
+            };
+            let shooting = &self.shooting;
+            return moved(shooting.free(at), touch, &shooting.workshop.sizes) <= most;
         }
-        self.shrinks_to(&mut shooting.clone(), (&station.at, place, bordered), touch)
+        let longer = &mut self.shooting.clone();
+        self.shrinks_to(longer, (&station.at, place, bordered), touch)
     }
 
     /// Whether a stay has come to its end at a station, or all but and becomes shorter along the curve: the crossing that it begins with. (Where it
@@ -177,7 +183,7 @@ impl Follower {
     /// of the least value, and how that changes.
     pub(super) fn loses_stay(
         &mut self,
-        (station, bordered): (&Station, &Bordered),
+        (before, station, bordered): (&Station, &Station, &Bordered),
         leads_on: bool,
     ) -> Option<(Onward, Station, (f64, f64))> {
         let first = self.ending_stay(station, leads_on)?;
@@ -209,7 +215,7 @@ impl Follower {
             return None;
         }
         let there = &touch.at[free..];
-        if !self.ends_at((station, bordered), first, there) {
+        if !self.ends_at((before, station, bordered), first, there) {
             return None;
         }
         let left = value(&touch)?;
@@ -252,7 +258,7 @@ impl Follower {
         curve: &mut Curve,
         (station, bordered): (&Station, &Bordered),
     ) -> Option<Stop> {
-        match self.loses_stay((station, bordered), false) {
+        match self.loses_stay((&curve.station, station, bordered), false) {
             Some(past) => Some(Stop::Anew(self.goes_past(past, curve))),
             None => self.ends_with_stay(curve, (station, bordered)),
         }

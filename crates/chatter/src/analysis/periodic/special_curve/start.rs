@@ -89,9 +89,8 @@ fn begin_at(
     let cycle = reread(workshop, free, (&known.state, known.period))?;
     let mut shooting = Shooting::<f64>::new(workshop, cycle.steps, cycle.counts)?;
     let mut at = shooting.guess(free);
-    if known.kind != SpecialKind::Monitor {
-        (shooting, at) = shooting.without_section(at);
-    } else if !shooting.begins_at_section() {
+    (shooting, at) = shooting.without_section(at);
+    if known.kind == SpecialKind::Monitor {
         // A function of the user's is one of the state at the section.
         shooting.told = Some(known.state.clone());
         if let Some(longer) = shooting.with_section(&at)? {

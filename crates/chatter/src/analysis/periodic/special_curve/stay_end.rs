@@ -18,7 +18,7 @@ const AT_A_TIME: usize = 6;
 /// A stay grows by this factor at most from one solution to the next.
 const GROWS: f64 = 4.0;
 /// What is known no better, in parts of the solution's size, is no end of the curve.
-const KNOWN: f64 = 1e-6;
+pub(super) const KNOWN: f64 = 1e-6;
 
 impl Follower {
     /// The end of the curve, where a stay has all but come to nothing at a station on its way.
@@ -77,7 +77,7 @@ impl Follower {
     }
 
     /// The unknowns where a stay takes no time any more, and what they are off by, in parts of their sizes.
-    fn without_time(
+    pub(super) fn without_time(
         &mut self,
         from: &Station,
         place: usize,

@@ -2,7 +2,7 @@
 //! back at them, or end there.
 
 use crate::periodic::{over, value, with};
-use chatter::analysis::periodic::{Branch, End, SpecialKind};
+use chatter::analysis::periodic::{Branch, End, Point, SpecialKind};
 
 /// A map of x by a clock.
 fn ticked(parameters: &str, map: &str) -> String {
@@ -11,6 +11,12 @@ fn ticked(parameters: &str, map: &str) -> String {
          direction = \"rising\"\nreset = {{ x = \"{map}\", s = \"0\" }}\n[initial]\nx = 0.1\ns = 0\n"
     )
 }
+
+/// Nordmark's map.
+const NORDMARK: &str = "[parameters]\nmu = -0.05\n[flight]\nx = '0'\ny = '0'\ns = '1'\n[[event]]\nname = 'tick'\nsurface = 's - 1'\n\
+                direction = 'rising'\n\
+                reset = { x = '0.6*x + y + mu', y = '-0.25*x - if(x > 0, sqrt(abs(x)), 0)', s = '0' }\n\
+                [initial]\nx = -0.05\ny = 0.01\ns = 0\n";
 
 /// Slopes a to the left and b to the right of the corner at x = 0.
 const TENT: &str = "if(x < 0, a*x + mu, b*x + mu)";
@@ -185,13 +191,105 @@ fn a_cycle_that_shrinks_to_the_corner_ends_there() {
 /// point is told where the product of the two is 0.25 to one side and beyond all bounds to the other.
 #[test]
 fn no_torus_is_told_where_a_pair_jumps_across_the_circle() {
-    let text = "[parameters]\nmu = -0.05\n[flight]\nx = '0'\ny = '0'\ns = '1'\n[[event]]\nname = 'tick'\nsurface = 's - 1'\n\
-                direction = 'rising'\n\
-                reset = { x = '0.6*x + y + mu', y = '-0.25*x - if(x > 0, sqrt(abs(x)), 0)', s = '0' }\n\
-                [initial]\nx = -0.05\ny = 0.01\ns = 0\n";
-    let found = over(&with(text, &[]), "mu", (-0.3, 0.2), (8, 0.02));
+    let found = over(&with(NORDMARK, &[]), "mu", (-0.3, 0.2), (8, 0.02));
     assert!(!found[0].points.is_empty());
     for (kind, at) in found.iter().flat_map(kinds) {
         assert!(kind != SpecialKind::NeimarkSacker, "{at}");
+    }
+}
+
+/// How a branch ends where slopes have no bound.
+fn ends_at_root(end: &End) -> bool {
+    matches!(end, End::Lost(why) if why.ends_with("where its slopes have no bound"))
+}
+
+/// x = mu - sqrt(x), or x = a x + mu below zero: at mu = 0 the fixed point comes to where the root begins, from both sides, at all steps and however the
+/// root is written. With s = sqrt(x) = (sqrt(1 + 4 mu) - 1)/2 the slope is -1/(2 s), -1 at s = 1/2.
+#[test]
+fn a_fixed_point_ends_where_a_root_begins() {
+    let maps = [
+        "mu + if(x > 0, -sqrt(x), a*x)",
+        "mu + a*min(x, 0) - sqrt(max(x, 0))",
+    ];
+    let starts = [
+        ("-0.5", 1, 0.01),
+        ("-0.5", 1, 0.03),
+        ("2", 0, 0.01),
+        ("2", 0, 0.03),
+    ];
+    for (map, (mu, comes, step)) in { maps }.iter().flat_map(|map| starts.map(|s| (map, s))) {
+        let model = with(&ticked("mu = 0.3\na = 0.5", map), &[("mu", mu)]);
+        let found = over(&model, "mu", (-1.0, 2.5), (8, step));
+        let branch = &found[0];
+        let told = (&branch.ends, kinds(branch));
+        assert!(ends_at_root(&branch.ends[comes]), "{map} {step}: {told:?}");
+        assert_eq!(branch.ends[1 - comes], End::Range, "{map} {step}");
+        let [touch] = touches(branch)[..] else {
+            panic!("{map} {step}: {told:?}");
+        };
+        assert!(touch.abs() < 1e-15, "{map} {step}: {touch}");
+        let others = told
+            .1
+            .iter()
+            .filter(|(kind, _)| *kind != SpecialKind::Touch);
+        let others: Vec<_> = others.collect();
+        match (comes, &others[..]) {
+            (1, []) => {}
+            (0, [(SpecialKind::PeriodDoubling, at)]) if (at - 0.75).abs() < 1e-12 => {}
+            _ => panic!("{map} {step}: {told:?}"),
+        }
+        assert!(branch.points.len() > 30, "{}", branch.points.len());
+        for point in &branch.points {
+            let (mu, x) = (point.parameter(), point.state[0]);
+            let root = 0.5 * ((1.0 + 4.0 * mu).sqrt() - 1.0);
+            let expected = if comes == 1 { 2.0 * mu } else { root * root };
+            // Beside the root Newton's method may come to no more than it tells.
+            let most = 1e-12 + 4.0 * point.correction;
+            assert!((x - expected).abs() < most, "{map} {step}: {mu} {x}");
+            assert!(if comes == 1 { mu <= 0.0 } else { mu > 0.0 }, "{mu}");
+        }
+    }
+}
+
+/// A cycle of Nordmark's map over five ticks whose third point comes to the border from the side of the root: it is one there, and told at the same place at
+/// all steps, and no station beyond is no cycle of the map.
+#[test]
+fn a_cycle_of_nordmarks_map_ends_where_its_root_begins() {
+    let map = |[x, y]: [f64; 2], mu: f64| [0.6 * x + y + mu, -0.25 * x - x.max(0.0).sqrt()];
+    let around = |point: &Point| {
+        let start = [point.state[0], point.state[1]];
+        let mut nearest = f64::INFINITY;
+        let end = (0..5).fold(start, |at, _| {
+            nearest = nearest.min(at[0].abs());
+            map(at, point.parameter())
+        });
+        ((end[0] - start[0]).hypot(end[1] - start[1]), nearest)
+    };
+    for step in [0.01, 0.03] {
+        let model = with(NORDMARK, &[("mu", "0.05")]);
+        let found = over(&model, "mu", (-0.2, 0.1), (8, step));
+        let branch = &found[0];
+        assert!(ends_at_root(&branch.ends[0]), "{step}: {:?}", branch.ends);
+        assert_eq!(branch.ends[1], End::Range, "{step}");
+        let [touch] = &branch.special[..] else {
+            panic!("{step}: {:?}", kinds(branch));
+        };
+        let at = 0.014_833_382_826_876_322;
+        assert!(
+            (value(touch) - at).abs() < 1e-16,
+            "{step}: {}",
+            value(touch)
+        );
+        // At the border itself rounding leaves a root of its own.
+        let (off, nearest) = around(&touch.point);
+        assert!(off < 1e-7 && nearest < 1e-15, "{step}: {off} {nearest}");
+        for point in &branch.points {
+            let (off, _) = around(point);
+            let most = match point.parameter() - at {
+                beyond if beyond > 1e-15 => 1e-13 + 4.0 * point.correction,
+                _ => 1e-7,
+            };
+            assert!(off < most, "{step}: {} {off}", point.parameter());
+        }
     }
 }

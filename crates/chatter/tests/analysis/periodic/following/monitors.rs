@@ -1,7 +1,9 @@
 //! Functions of the user's that are watched along branches.
 
-use crate::periodic::{branch_spec, with};
-use chatter::analysis::periodic::{Beside, Spec, SpecialKind, Told, branches};
+use crate::periodic::{branch_spec, model, value, with};
+use chatter::analysis::periodic::{
+    Beside, End, Known, Limits, Spec, Special, SpecialKind, Told, branches, special_curve,
+};
 use chatter::model::Model;
 use std::ops::ControlFlow;
 
@@ -81,5 +83,88 @@ fn what_vanishes_on_the_section_has_no_zeros_there() {
                 .zip(&found)
                 .all(|(a, b)| (a - b).abs() < 1e-10)
         );
+    }
+}
+
+/// The zero of a function of gears with play along the branch of one step.
+fn zero_of(gears: &Model, spec: &Spec, step: f64) -> Special {
+    let over = branch_spec(
+        gears,
+        ("omega", (1.38, 1.405)),
+        (8, step),
+        Beside::default(),
+    );
+    let mut quiet = |_: Told<'_>| ControlFlow::Continue(());
+    let found = branches(gears, spec, &over, Vec::new(), &mut quiet).unwrap();
+    let special = found.into_iter().flat_map(|branch| branch.special);
+    let mut zeros = special.filter(|special| special.kind == SpecialKind::Monitor);
+    let zero = zeros.next().expect("a zero");
+    assert!(zeros.next().is_none());
+    zero
+}
+
+/// A function that vanishes just where the play of gears ends does so where that is crossed at the section. This is known to rounding, and its curve in two
+/// parameters goes through the zeros on branches with the other one held.
+#[test]
+fn a_function_that_vanishes_on_a_surface_has_its_zeros_at_the_section() {
+    let spec = Spec {
+        monitors: vec!["x - backlash".to_owned()],
+        ..Spec::default()
+    };
+    let gears = |mean: &str| model("gear_backlash", &[("omega", "1.39"), ("mean", mean)]);
+    let own = gears("0.1");
+    let zeros = [0.01, 0.02, 0.05, 0.1].map(|step| zero_of(&own, &spec, step));
+    for zero in &zeros {
+        let off = value(zero) - value(&zeros[0]);
+        assert!(
+            off.abs() < 1e-14 && zero.error < 1e-14,
+            "{off} {}",
+            zero.error
+        );
+        assert!(
+            (zero.point.state[0] - 1.0).abs() < 1e-14,
+            "{:?}",
+            zero.point
+        );
+    }
+    let known = Known {
+        kind: SpecialKind::Monitor,
+        monitor: zeros[0].monitor,
+        state: zeros[0].point.state.clone(),
+        period: zeros[0].point.period,
+    };
+    let limits = Limits {
+        range: (1.39, 1.401),
+        other: None,
+        impacts: 8,
+        points: 200,
+        longest_step: 0.05,
+    };
+    let mut there = own.clone();
+    let at = format!("{:?}", value(&zeros[0]));
+    there.set_parameter("omega", &at).unwrap();
+    let free = ["mean", "omega"].map(|name| there.parameter_index(name).unwrap());
+    let mut quiet = |_: Told<'_>| ControlFlow::Continue(());
+    let curve = special_curve(
+        &there,
+        &spec,
+        (free, &known),
+        &limits,
+        Vec::new(),
+        &mut quiet,
+    );
+    let curve = curve.unwrap();
+    assert_eq!(curve.ends, [End::Range, End::Range]);
+    assert!(curve.points.len() > 10);
+    for point in &curve.points {
+        assert!(point.monitors[0].abs() < 1e-13, "{:?}", point.parameters);
+    }
+    for point in [&curve.points[2], &curve.points[curve.points.len() - 3]] {
+        let [mean, omega] = point.parameters[..] else {
+            panic!("{:?}", point.parameters);
+        };
+        let other = zero_of(&gears(&format!("{mean:?}")), &spec, 0.05);
+        let off = value(&other) - omega;
+        assert!(off.abs() < 1e-13, "{mean} {off}");
     }
 }

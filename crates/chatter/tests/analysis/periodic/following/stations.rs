@@ -45,6 +45,23 @@ y = 0
 u = 0
 "#;
 
+/// A harvester with two stops, each a spring with a damper, and a circuit.
+const HARVESTER: &str = r#"
+[parameters]
+w = 0.8
+[flight]
+x = "v"
+v = "-x - 0.04*v - 0.3*V + 0.35*cos(w*t) - if(x > 0.8, 20*(x - 0.8) + 0.2*v, 0) - if(x < -1, 20*(x + 1) + 0.2*v, 0)"
+V = "0.3*v - 0.6*V"
+[section.strobe]
+surface = "sin(w*t)"
+direction = "rising"
+[initial]
+x = 0
+v = 0
+V = 0
+"#;
+
 /// Orbits of so many impacts are closed anew.
 const MOST: u64 = 5;
 
@@ -412,4 +429,38 @@ fn arcs_beyond_the_border_of_chatter_are_found() {
         assert_eq!(told.point.impacts, Some(9));
         assert!((value(&told) - place).abs() < 1e-13, "{told:?}");
     }
+}
+
+/// Beyond where a stop is touched multipliers change as the root of the distance does: a station that is nearer to it than it is known to, where they are
+/// made of rounding, is that point.
+#[test]
+fn no_station_is_nearer_to_a_touch_than_that_is_known() {
+    let mut beyond = 0;
+    for (start, step) in [("0.785", 0.05), ("0.7914", 0.01), ("0.7914", 0.02)] {
+        let harvester = with(HARVESTER, &[("w", start)]);
+        let range = ("w", (0.78, 0.8));
+        let found = along(&harvester, &Spec::default(), range, step);
+        let branch = &found[0];
+        let is_touch = |special: &&Special| special.kind == SpecialKind::Touch;
+        let touches: Vec<&Special> = branch.special.iter().filter(is_touch).collect();
+        let [touch] = touches[..] else {
+            panic!("{step}: {}", touches.len());
+        };
+        let at = touch.point.parameter();
+        assert!((at - 0.791_275_644_963_109_5).abs() < 1e-14, "{step}: {at}");
+        let all = branch.points.iter().enumerate();
+        let near = all.filter(|(_, point)| (point.parameter() - at).abs() < 1e-6);
+        for (place, point) in near {
+            let off = point.parameter() - at;
+            assert_eq!(place >= touch.place, off > 0.0, "{step}: {off}");
+            let both = point.multipliers.iter().zip(&touch.point.multipliers);
+            let changed = both
+                .map(|(a, b)| (a.re - b.re).hypot(a.im - b.im))
+                .fold(0.0, f64::max);
+            let most = 0.01 + 60.0 * off.abs().sqrt();
+            assert!(changed < most, "{step}: {off} {changed}");
+            beyond += usize::from(off > 0.0);
+        }
+    }
+    assert!(beyond > 10, "{beyond}");
 }

@@ -49,6 +49,10 @@ impl Walker {
         here: &mut Point,
         there: &Point,
     ) -> Stop {
+        if let Some(end) = self.ends_at_root(&station.at, (index, guard), there) {
+            return Stop::Over(end);
+        }
+        self.settle(station);
         let lost = |why: String| Stop::Broken(End::Lost(why), Box::new(station.clone()));
         let from = curve.station.clone();
         let met = match self.shooting.at_corner(&station.at, (index, guard)) {

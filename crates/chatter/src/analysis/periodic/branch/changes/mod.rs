@@ -5,5 +5,6 @@ pub(super) mod events;
 pub(super) mod graze;
 pub(super) mod holds;
 pub(super) mod opening;
+mod root;
 pub(super) mod touch;
 pub(super) mod turn;
