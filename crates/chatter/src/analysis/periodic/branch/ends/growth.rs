@@ -33,13 +33,26 @@ pub struct Growth {
     pub power: u8,
 }
 
+/// A value as digits, or as zero where it is no more than its error.
+struct Known(f64, f64);
+
+impl fmt::Display for Known {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(value, error) = *self;
+        write!(out, "{}", if value.abs() <= error { 0.0 } else { value })
+    }
+}
+
 impl fmt::Display for Growth {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { name, value, .. } = self;
         write!(
             out,
-            "`{}`, {:.1e} here, grows without bound as {name} comes to {value} (error {:.0e}), as 1/|{name} - {name}*|",
-            self.state, self.size, self.error
+            "`{}`, {:.1e} here, grows without bound as {name} comes to {} (error {:.0e}), as 1/|{name} - {name}*|",
+            self.state,
+            self.size,
+            Known(*value, self.error),
+            self.error
         )?;
         match self.power {
             1 => Ok(()),
@@ -74,7 +87,8 @@ pub(in crate::analysis::periodic::branch) fn growth(
     let powers = |order: usize| (1..order as i32).collect::<Vec<i32>>();
     let [value, other] = [ORDER, ORDER - 1].map(|order| limit(&run, &powers(order), RATIO));
     let ((value, _), (other, _)) = (value?, other?);
-    let error = (value - other).abs() + run.rounding(value);
+    // What is left of states is rounding of those, whatever the parameter's value is.
+    let error = (value - other).abs() + run.rounding(scale.abs().max(value.abs()));
     let power = run.power(value, RATIO)?;
     let known = (1..=POWERS).find(|&known| (power - f64::from(known)).abs() < SAME_POWER)?;
     (error < KNOWN * scale).then(|| Growth {
@@ -108,6 +122,9 @@ mod tests {
         let found = told(&lengths).unwrap();
         assert_eq!(found.power, 1);
         assert!((found.value - 1.2).abs() <= found.error && found.error < 1e-12);
+        // No more is known of a value that is zero than states have digits.
+        let found = told(&sizes(|s| -3.0 / s, 1e7)).unwrap();
+        assert!(found.value.abs() <= found.error && found.error >= f64::EPSILON);
         let square = sizes(|s| 0.3 + 3.0 / (s * (s + 0.7)), 1e7);
         let found = told(&square).unwrap();
         assert_eq!(found.power, 2);
