@@ -49,11 +49,14 @@ use crate::model::Model;
 use crate::numerics::{DoubleDouble, Real};
 use std::sync::Arc;
 
+/// A state that is this part of the largest everywhere is zero, as what is left of one in thirty digits.
+const NOTHING: f64 = 1e-30;
+
 /// Sizes of states, where nothing is known of one that of the largest.
 pub(crate) fn without_zeros(mut sizes: Vec<f64>) -> Vec<f64> {
     let largest = sizes.iter().fold(0.0_f64, |most, x| most.max(*x));
     let usual = if largest > 0.0 { largest } else { 1.0 };
-    for size in sizes.iter_mut().filter(|size| **size == 0.0) {
+    for size in (sizes.iter_mut()).filter(|size| **size <= NOTHING * largest) {
         *size = usual;
     }
     sizes
