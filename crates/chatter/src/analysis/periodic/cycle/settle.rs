@@ -157,13 +157,21 @@ fn landmarks(instants: &[Instant], section: Option<usize>) -> Vec<usize> {
     let released = (instants.iter())
         .rposition(|instant| instant.is_release() && single(instant).is_some())
         .or_else(|| instants.iter().rposition(Instant::is_release));
+    // So it is where several collide, which may be the middle of their chatter.
+    let alone = instants[late..]
+        .iter()
+        .any(|instant| instant.impact().is_some() && single(instant).is_some());
+    let rate = |instant: &Instant| {
+        let (_, rate) = instant.impact()?;
+        (!alone || single(instant).is_some()).then_some(rate)
+    };
     let fastest = (instants.iter().enumerate().skip(late))
-        .filter_map(|(index, instant)| Some((index, instant.impact()?.1)))
+        .filter_map(|(index, instant)| Some((index, rate(instant)?)))
         .min_by(|a, b| a.1.total_cmp(&b.1))
-        .and_then(|(_, rate)| {
+        .and_then(|(_, fastest)| {
             // The latest that is as fast.
             instants.iter().rposition(|instant| {
-                (instant.impact()).is_some_and(|(_, other)| other <= rate * (1.0 - 1e-6))
+                rate(instant).is_some_and(|other| other <= fastest * (1.0 - 1e-6))
             })
         });
     let mut found: Vec<usize> = [crossed, released, fastest].into_iter().flatten().collect();
