@@ -1,7 +1,7 @@
 //! What a trajectory settles to: the latest return to where it was.
 
 use super::events::single;
-use super::itinerary::{Step, around, read};
+use super::itinerary::{Step, around, is_several, read, struck};
 use super::left::touched_at_rest;
 use super::reread::from_early_on;
 use super::rotate::{past_instant, rotate};
@@ -157,13 +157,13 @@ fn landmarks(instants: &[Instant], section: Option<usize>) -> Vec<usize> {
     let released = (instants.iter())
         .rposition(|instant| instant.is_release() && single(instant).is_some())
         .or_else(|| instants.iter().rposition(Instant::is_release));
-    // So it is where several collide, which may be the middle of their chatter.
-    let alone = instants[late..]
-        .iter()
-        .any(|instant| instant.impact().is_some() && single(instant).is_some());
-    let rate = |instant: &Instant| {
-        let (_, rate) = instant.impact()?;
-        (!alone || single(instant).is_some()).then_some(rate)
+    // Where several contacts collide may be the middle of their chatter.
+    let several = |at: &Instant| is_several(struck(core::slice::from_ref(at), at.time));
+    let by_itself = |at: &Instant| at.impact().is_some() && !several(at);
+    let is_known = instants[late..].iter().any(by_itself);
+    let rate = |at: &Instant| {
+        let (_, rate) = at.impact()?;
+        (!is_known || by_itself(at)).then_some(rate)
     };
     let fastest = (instants.iter().enumerate().skip(late))
         .filter_map(|(index, instant)| Some((index, rate(instant)?)))
