@@ -2,8 +2,8 @@
 
 use super::{GRAZES, branch_spec, model, nearest, over, value, with};
 use chatter::analysis::periodic::{
-    Beside, BranchSpec, End, Known, Law, Limits, Point, Spec, SpecialKind, Unbounded, branches,
-    special_curve,
+    Beside, BranchSpec, End, Known, Law, Limits, Point, Spec, SpecialKind, Told, Unbounded,
+    branches, special_curve,
 };
 use std::ops::ControlFlow;
 
@@ -436,6 +436,70 @@ u = 0.3
         panic!("{} branches", found.len());
     };
     assert!(branch.ends.contains(&End::Rounding(1)), "{:?}", branch.ends);
+}
+
+/// Arcs of a bell and its clapper, which strikes either side, have two impacts more each and accumulate at a chatter border, T = 0.14806159387952. Where a
+/// twelfth or an eleventh impact would begin, flights are 3e4 roundoffs high, and rounding decides at which orbit no solution is found any more.
+#[test]
+fn arcs_end_in_rounding_where_no_solution_is_found_for_it() {
+    let bell = r#"
+[parameters]
+T = 0.1480605
+[flight]
+x = "v"
+v = "-sin(x) - 0.02*v + 0.01*(u - v) + if(abs(x) < 0.26, T*sign(v), 0)"
+y = "u"
+u = "-1.6*sin(y) - 0.1*(u - v)"
+[[contact]]
+name = "right"
+gap = "0.5 - (y - x)"
+impulse = { u = -1, v = 0.1 }
+restitution = 0.05
+[[contact]]
+name = "left"
+gap = "0.5 + (y - x)"
+impulse = { u = 1, v = -0.1 }
+restitution = 0.05
+[section.mid]
+surface = "x"
+direction = "rising"
+[initial]
+x = 0.3
+v = 0
+y = -0.1
+u = 0
+"#;
+    for (start, longest_step) in [("0.1480605", 0.3), ("0.1480609", 0.1)] {
+        let model = with(bell, &[("T", start)]);
+        let range = ("T", (0.14806, 0.1480615));
+        let spec = branch_spec(&model, range, (40, longest_step), Beside::default());
+        let mut ends = String::new();
+        // What lies beyond the border is looked for after its end.
+        let mut until_its_end = |told: Told<'_>| match told {
+            Told::Record(record) => {
+                let text = serde_json::to_string(record).unwrap();
+                ends.extend(
+                    ["Rounding", "Lost"]
+                        .iter()
+                        .filter(|end| text.contains(*end))
+                        .copied(),
+                );
+                match ends.is_empty() {
+                    true => ControlFlow::Continue(()),
+                    false => ControlFlow::Break(()),
+                }
+            }
+            _ => ControlFlow::Continue(()),
+        };
+        let _ = branches(
+            &model,
+            &Spec::default(),
+            &spec,
+            Vec::new(),
+            &mut until_its_end,
+        );
+        assert_eq!(ends, "Rounding", "from {start}");
+    }
 }
 
 /// A linear map doubles at a = -1 and nowhere else, so that its doubled orbits lie to neither side.

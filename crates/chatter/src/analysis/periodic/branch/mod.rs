@@ -20,6 +20,7 @@
 //!   root         where slopes of an event have no bound
 //! onward       past what equations can say, and where they may not go on
 //! ends/        where a branch is over
+//!   border       how far a chatter border is
 //!   returns      it has come back to where it began
 //!   equilibrium  equilibria of the flight that a step is
 //!   saddle       the orbit comes to a saddle

@@ -114,6 +114,15 @@ impl Step {
         )
     }
 
+    /// Lets a stretch begin in the middle of the collisions of an instant.
+    fn begin_within(&mut self, system: &System, instant: &Instant, state: Vec<f64>) {
+        if let Passage::Stretch(kind) = &mut self.passage {
+            kind.closed = Closed::NONE;
+            kind.on = instant.lies_on_beside(system, kind.closed);
+            self.start = state;
+        }
+    }
+
     /// The guard that ends it; none where a time does.
     pub(crate) fn ends_at(&self) -> Option<GuardKind> {
         match self.passage {
@@ -174,6 +183,8 @@ pub(crate) fn read(
     // The instant that each step begins at.
     let mut begins: Vec<usize> = Vec::new();
     let mut open: Option<(usize, Way, Vec<Occurrence<f64>>)> = None;
+    // What of the instant that it begins at is part of that.
+    let mut within: Vec<Step> = Vec::new();
     // When several contacts chattered at once, and which, as long as they have not come to rest.
     let mut parted: Vec<(f64, Closed)> = Vec::new();
     for (index, instant) in instants.iter().enumerate().skip(1) {
@@ -186,10 +197,18 @@ pub(crate) fn read(
                 while let Some(start) = begins.pop_if(|start| joint.has(instants, *start)) {
                     begin = begin.min(start);
                     steps.pop();
+                    within.clear();
                 }
+                // What shares the instant that it begins at is part of it, but for what ends the way there.
+                let is_own = |step: &mut Step| step.is_at_once() && joint.begins_before(begin);
+                while let Some(step) = steps.pop_if(is_own) {
+                    within.insert(0, step);
+                }
+                begins.truncate(steps.len());
                 let told = instants[begin + 1..=index].iter();
-                let told = told.flat_map(|instant| instant.told.iter().copied());
-                open = Some((begin, Way::Joint(contacts), told.collect()));
+                let told = told.flat_map(|instant| instant.told.iter());
+                let told = within.iter().flat_map(|step| &step.told).chain(told);
+                open = Some((begin, Way::Joint(contacts), told.copied().collect()));
                 parted.retain(|(time, _)| *time < instants[begin].time);
                 continue;
             }
@@ -206,7 +225,10 @@ pub(crate) fn read(
             };
             told.extend(events.told(instant));
             let way = (way, events.first, told);
-            let whole = stretch(system, &instants[begin..=index], way);
+            let mut whole = stretch(system, &instants[begin..=index], way);
+            if let Some(first) = within.drain(..).next() {
+                whole.begin_within(system, &instants[begin], first.start);
+            }
             steps.extend(events.steps((system, parameters), (whole, instant)));
             begins.resize(steps.len(), begin);
             from = index;

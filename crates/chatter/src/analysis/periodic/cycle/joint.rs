@@ -40,6 +40,11 @@ impl Joint {
         Some((begins, contacts))
     }
 
+    /// Whether all of an instant is part of it.
+    pub(super) fn begins_before(self, index: usize) -> bool {
+        matches!(self, Self::After(begin) if begin < index)
+    }
+
     /// Whether a step that begins at an instant is part of it.
     pub(super) fn has(self, instants: &[Instant], start: usize) -> bool {
         match self {

@@ -1,7 +1,7 @@
 //! What a trajectory settles to: the latest return to where it was.
 
 use super::events::single;
-use super::itinerary::{Step, around, read};
+use super::itinerary::{Step, around, is_several, read, struck};
 use super::left::touched_at_rest;
 use super::reread::from_early_on;
 use super::rotate::{past_instant, rotate};
@@ -157,13 +157,21 @@ fn landmarks(instants: &[Instant], section: Option<usize>) -> Vec<usize> {
     let released = (instants.iter())
         .rposition(|instant| instant.is_release() && single(instant).is_some())
         .or_else(|| instants.iter().rposition(Instant::is_release));
+    // Where several contacts collide may be the middle of their chatter.
+    let several = |at: &Instant| is_several(struck(core::slice::from_ref(at), at.time));
+    let by_itself = |at: &Instant| at.impact().is_some() && !several(at);
+    let is_known = instants[late..].iter().any(by_itself);
+    let rate = |at: &Instant| {
+        let (_, rate) = at.impact()?;
+        (!is_known || by_itself(at)).then_some(rate)
+    };
     let fastest = (instants.iter().enumerate().skip(late))
-        .filter_map(|(index, instant)| Some((index, instant.impact()?.1)))
+        .filter_map(|(index, instant)| Some((index, rate(instant)?)))
         .min_by(|a, b| a.1.total_cmp(&b.1))
-        .and_then(|(_, rate)| {
+        .and_then(|(_, fastest)| {
             // The latest that is as fast.
             instants.iter().rposition(|instant| {
-                (instant.impact()).is_some_and(|(_, other)| other <= rate * (1.0 - 1e-6))
+                rate(instant).is_some_and(|other| other <= fastest * (1.0 - 1e-6))
             })
         });
     let mut found: Vec<usize> = [crossed, released, fastest].into_iter().flatten().collect();

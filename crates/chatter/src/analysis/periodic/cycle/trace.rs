@@ -43,12 +43,17 @@ impl Instant {
 
     /// Contacts that the state lies on after impacts and that are open: those that were struck, and those that were held and are thrown off.
     pub(crate) fn lies_on(&self, system: &System) -> Closed {
+        self.lies_on_beside(system, self.closed)
+    }
+
+    /// The same while these are closed, be it between its impacts.
+    pub(super) fn lies_on_beside(&self, system: &System, closed: Closed) -> Closed {
         let impacts = self.told.iter().filter_map(|told| match *told {
             Occurrence::Impact { contact, .. } => Some(contact),
             _ => None,
         });
         let struck = impacts.fold(Closed::NONE, |all, contact| all.with(contact));
-        open_beside(system, (self.mode, struck), self.closed)
+        open_beside(system, (self.mode, struck), closed)
     }
 
     /// Whether a flight touches a contact here and goes on.

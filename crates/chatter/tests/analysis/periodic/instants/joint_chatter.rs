@@ -385,3 +385,12 @@ fn the_order_of_impacts_before_all_rest_is_no_matter_of_the_orbit() {
         assert_forgets((&model, "mv"), (0.187, 0.201), longest);
     }
 }
+
+/// At r2 = 0.1832 the last collision of the instant at which the cam meets the valve comes no more, since flights begin instead; from either side.
+#[test]
+fn how_many_collisions_share_the_first_instant_is_no_matter_of_the_orbit() {
+    for (start, longest) in [("0.18", 0.5), ("0.189", 0.2)] {
+        let model = with(TAPPET, &[("omega", "30"), ("r2", start)]);
+        assert_forgets((&model, "r2"), (0.17, 0.19), longest);
+    }
+}

@@ -20,6 +20,8 @@ const NOT_QUITE: f64 = 1e-5;
 const BESIDE: f64 = 1e-2;
 /// Flights are told from rounding of the gap if they are so many times as high.
 const LEAST_HEIGHT: f64 = 1e4;
+/// Where they are no more than so many times as high, that is why no solution is found.
+const SMALL_HEIGHT: f64 = 1e6;
 /// A graze that Newton's method finds farther from where it is looked for, against the size of the orbit, is another one.
 pub(in crate::analysis::periodic::branch) const THERE: f64 = 1e-3;
 /// Orbits of a branch are solved to so small a part of their size, and so are places that are told from their guards.
@@ -109,16 +111,25 @@ impl Walker {
             }
         }
         self.settle(&station);
-        if let Broken::Inner(index, GuardKind::Gap(contact)) = broken
-            && !self.is_resolved(&station, index, contact)
-        {
-            let end = End::Rounding(there.impacts.unwrap_or_default());
+        let is_less = |walker: &mut Self, roundoffs: f64| match broken {
+            Broken::Inner(index, GuardKind::Gap(contact)) => {
+                !walker.is_resolved(&station, (index, contact), roundoffs)
+            }
+            _ => false,
+        };
+        let as_rounding = End::Rounding(there.impacts.unwrap_or_default());
+        if is_less(self, LEAST_HEIGHT) {
             // An impact that leaves no rate is followed by a stay where the acceleration leads nowhere, and not by a flight.
-            return match self.begins_at_rest(&station, (index, contact)) {
-                true => Stop::Broken(end, Box::new(station)),
-                false => Stop::End(end),
+            return match broken {
+                Broken::Inner(index, GuardKind::Gap(contact))
+                    if self.begins_at_rest(&station, (index, contact)) =>
+                {
+                    Stop::Broken(as_rounding, Box::new(station))
+                }
+                _ => Stop::End(as_rounding),
             };
         }
+        let is_small = is_less(self, SMALL_HEIGHT);
         if let Broken::Early(index, guard) = broken
             && self.shooting.asks(index, guard)
         {
@@ -187,6 +198,9 @@ impl Walker {
             }
             Broken::Passed(_) | Broken::Order(_) => Err(broken.told(&self.shooting)),
         };
+        if outcome.is_err() && is_small {
+            return Stop::End(as_rounding);
+        }
         // A touch that nothing came of, and that is elsewhere than where the sequence breaks, is none of this way.
         let scale = self.shooting.scales().last().copied().unwrap_or(1.0);
         let way = (station.parameter() - from.parameter()).abs();
@@ -370,8 +384,13 @@ impl Walker {
         self.note(SpecialKind::Touch, there, &to.at, error, residual);
     }
 
-    /// Whether the way between the last impact and a touch of the same contact can be told from rounding of the gap.
-    fn is_resolved(&mut self, station: &Station, index: usize, contact: usize) -> bool {
+    /// Whether the way between the last impact and a touch of the same contact is higher than so many roundoffs of the gap.
+    fn is_resolved(
+        &mut self,
+        station: &Station,
+        (index, contact): (usize, usize),
+        roundoffs: f64,
+    ) -> bool {
         let before = self.shooting.before(index);
         let follows = self.shooting.steps[before].impact() == Some(contact);
         let Ok(least) = self.shooting.least(&station.at) else {
@@ -386,7 +405,7 @@ impl Walker {
         let (rate, terms) = self.shooting.gap_rate(&station.at, (index, contact));
         // From zero with this rate, and back to where both vanish: a cubic.
         let height = 4.0 / 27.0 * (rate * touch.time).abs();
-        is_told(height, terms)
+        is_told(height, terms, roundoffs)
     }
 
     /// Whether a gap has no rate where a step begins.
@@ -411,7 +430,7 @@ impl Walker {
         let (_, terms) = self.shooting.gap_rate(&station.at, (index, contact));
         // From rest with this jerk, and back to the contact: a quartic.
         let height = 27.0 / 1536.0 * (release.surface_rate * flight.duration.powi(3)).abs();
-        is_told(height, terms)
+        is_told(height, terms, LEAST_HEIGHT)
     }
 
     /// Whether the parameter stands still to first order: it does over the rate of an impact that the orbit forgets.
@@ -675,9 +694,9 @@ fn gone((from, to): (&Station, &Station)) -> Option<f64> {
     (by.abs() > roundoff(to.parameter())).then_some(by)
 }
 
-/// Whether the height of a flight can be told from rounding of the terms that the gap is the sum of.
-fn is_told(height: f64, terms: f64) -> bool {
-    height.is_nan() || height > LEAST_HEIGHT * f64::EPSILON * terms
+/// Whether the height of a flight is more than so many roundoffs of the terms that the gap is the sum of.
+fn is_told(height: f64, terms: f64, roundoffs: f64) -> bool {
+    height.is_nan() || height > roundoffs * f64::EPSILON * terms
 }
 
 /// Whether an orbit goes more than once around another one. Where several impacts lose their rate at once they are left out one by one: what is
