@@ -68,3 +68,29 @@ fn a_flight_from_a_plastic_impact_touches() {
         );
     }
 }
+
+/// A relay whose orbit, its own mirror image, begins to slide along the switching line at two places at once.
+#[test]
+fn a_relay_begins_to_slide_at_two_places_at_once() {
+    let text = "[parameters]\nA = 1.2\n[flight]\nx = \"v\"\nv = \"-x - 0.3*v - sign(x + 0.2*v) + A*cos(2*t)\"\n\
+        [section.strobe]\nsurface = \"sin(2*t)\"\ndirection = \"rising\"\n[initial]\nx = 0.4\nv = 0\n";
+    let told = |branch: &Branch| {
+        let mut all: Vec<_> = branch
+            .special
+            .iter()
+            .map(|s| (s.kind.name(), value(s), s.error, s.persists))
+            .collect();
+        all.sort_by(|a, b| a.1.total_cmp(&b.1));
+        all
+    };
+    let branches = [("1.23", 0.2), ("1.226", 0.2), ("0.9", 0.1)]
+        .map(|(start, step)| told(&through(text, "A", (0.78, 1.24), (start, step))));
+    for other in &branches[1..] {
+        assert_eq!(other.len(), branches[0].len(), "{branches:?}");
+        for (a, b) in branches[0].iter().zip(other) {
+            assert_eq!((a.0, a.3), (b.0, b.3), "{branches:?}");
+            assert!((a.1 - b.1).abs() <= a.2 + b.2, "{branches:?}");
+        }
+    }
+    assert_eq!(branches[0].len(), 4, "{branches:?}");
+}

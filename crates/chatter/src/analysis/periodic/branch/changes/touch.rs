@@ -29,6 +29,9 @@ const NO_TIME: f64 = 1e-2;
 /// Stays that vanish at once are as long as each other, but for this factor.
 const TOGETHER: f64 = 2.0;
 
+/// What touches a surface as well has a least value of no more than this part of what it is the sum of.
+const TOUCHES: f64 = 1e-11;
+
 /// A stay that begins where a surface is touched.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::analysis::periodic) enum Stay {
@@ -407,6 +410,54 @@ impl Shooting<f64> {
         let place = place.ok_or_else(|| unfollowed("a stay without duration"))?;
         Ok((shooting, at, place))
     }
+
+    /// The same orbit with whatever else touches a surface where the step before this one's end does, as on an orbit with a symmetry, and the steps
+    /// that end with a touch, the later ones first.
+    fn with_all_touches(self, (at, index): (Vec<f64>, usize)) -> (Self, Vec<f64>, Vec<usize>) {
+        let (mut shooting, mut at, mut all) = (self, at, vec![index]);
+        for _ in 0..shooting.steps.len() {
+            let known = shooting.evaluate(&at).and_then(|_| shooting.least(&at));
+            let least = known.unwrap_or_default().into_iter().enumerate();
+            let mut others = least.flat_map(|(k, of)| of.into_iter().map(move |least| (k, least)));
+            let other = others.find(|(k, least)| {
+                let is_kind = Some(least.guard) == shooting.steps[all[0]].ends_at();
+                let lasts = shooting.latest[*k].duration;
+                let is_inside =
+                    least.time > NO_TIME * lasts && least.time < (1.0 - NO_TIME) * lasts;
+                let is_zero = least.value.abs() <= TOUCHES * least.size.abs();
+                is_kind && !least.at_end && is_inside && is_zero
+            });
+            let longer = other.map(|(k, least)| shooting.with_event(&at, k, &least));
+            let Some(Ok((longer, guess, k))) = longer else {
+                break;
+            };
+            for known in &mut all {
+                *known += usize::from(*known >= k);
+            }
+            all.push(k);
+            (shooting, at) = (longer, guess);
+        }
+        all.sort_unstable_by(|a, b| b.cmp(a));
+        (shooting, at, all)
+    }
+
+    /// The same orbit with stays of this duration at all such touches, and where that of the first in the cycle stands among the unknowns.
+    fn with_stays(
+        &self,
+        at: &[f64],
+        (touches, stay, duration): (&[usize], Stay, f64),
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let mut found = None;
+        for &index in touches {
+            let (shooting, at) = found
+                .as_ref()
+                .map_or((self, at), |(shooting, at, _): &(Self, Vec<f64>, usize)| {
+                    (shooting, at)
+                });
+            found = Some(shooting.with_stay(at, (index, stay, duration))?);
+        }
+        found.ok_or_else(|| unfollowed("a touch of nothing"))
+    }
 }
 
 /// Where a guard has a least value of zero: the equations with that for an event, and their solution.
@@ -514,13 +565,18 @@ impl Walker {
         let there = self.special.last().map(|special| special.point.clone());
         touch.evaluate(&at).map_err(|left| told(&left))?;
         let period = touch.period();
+        // One stay alone, or where other places touch at once, as on an orbit with a symmetry, a stay at each of them.
+        let (all_touch, at_all, all) = touch.clone().with_all_touches((at.clone(), index));
+        let alone = (&touch, &at, vec![index]);
+        let together = (all.len() > 1).then_some((&all_touch, &at_all, all));
         let mut failed: Option<NewtonError> = None;
-        for (stay, part) in [Stay::Beyond, Stay::On]
-            .into_iter()
-            .flat_map(|stay| STAYS.map(|part| (stay, part)))
+        let ways = [alone].into_iter().chain(together);
+        let ways = ways.flat_map(|way| [Stay::Beyond, Stay::On].map(|stay| (way.clone(), stay)));
+        for (((touch, at, touches), stay), part) in
+            ways.flat_map(|way| STAYS.map(|part| (way.clone(), part)))
         {
-            let Ok((mut longer, guess, place)) = touch.with_stay(&at, (index, stay, part * period))
-            else {
+            let with = (&*touches, stay, part * period);
+            let Ok((mut longer, guess, place)) = touch.with_stays(at, with) else {
                 continue;
             };
             let fixed = Condition::fixed(guess.len(), place, guess[place]);
