@@ -7,5 +7,6 @@ mod rest_begins;
 mod resumed;
 mod stations;
 mod steps;
+mod together;
 mod told_from;
 mod told_once;

@@ -579,6 +579,11 @@ impl Walker {
         index: usize,
         there: &Point,
     ) -> Result<Station, String> {
+        if self.shooting.steps[index].impact().is_some()
+            && let Some(next) = self.lose_together(station, there)
+        {
+            return Ok(next);
+        }
         let known = match self.shooting.crossing_that_vanishes(index) {
             Some(first) => Some((self.shooting.clone(), station.at.clone(), first)),
             None => self.shooting.with_corner_after_stay(&station.at, index),
@@ -598,7 +603,7 @@ impl Walker {
     }
 
     /// On without an event, which ends a step, or without a crossing and its way back.
-    fn without(
+    pub(super) fn without(
         &mut self,
         start: &[f64],
         (index, crossing): (usize, Option<usize>),

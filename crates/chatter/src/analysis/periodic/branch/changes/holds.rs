@@ -313,6 +313,18 @@ pub(crate) fn least_beside(
     Ok(least)
 }
 
+/// The guards that touch as well where a step grazes.
+pub(super) fn touches_beside(
+    shooting: &mut Shooting<f64>,
+    at: &[f64],
+    grazing: usize,
+) -> Result<Vec<GuardKind>, Left> {
+    let least = least_beside(shooting, at, Some(grazing))?;
+    let all = least.into_iter().flatten();
+    let touching = all.filter(|l| !l.at_end && l.value.abs() <= NOWHERE * l.size.abs());
+    Ok(touching.map(|l| l.guard).collect())
+}
+
 /// What breaks, but for the step that grazes: after an evaluation there.
 pub(crate) fn broken_beside(
     shooting: &mut Shooting<f64>,

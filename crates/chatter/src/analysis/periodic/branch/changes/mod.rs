@@ -6,5 +6,6 @@ pub(super) mod graze;
 pub(super) mod holds;
 pub(super) mod opening;
 mod root;
+pub(super) mod together;
 pub(super) mod touch;
 pub(super) mod turn;

@@ -1,0 +1,42 @@
+//! Impacts that lose their rates at once.
+
+use crate::periodic::{over, value, with};
+use chatter::analysis::periodic::{End, SpecialKind};
+
+/// Van der Pol's cycle between two walls touches both at once where they are as far apart as it is wide: beyond it goes on free. Its amplitude is
+/// that of another integrator.
+#[test]
+fn a_cycle_leaves_both_walls_at_once() {
+    let text = "[parameters]\nmu = 0.8\nb = 2\n[flight]\nx = \"v\"\nv = \"mu*(1-x^2)*v - x\"\n[[contact]]\nname = \"right\"\n\
+        gap = \"b - x\"\nimpulse = { v = -1 }\nrestitution = 0.7\n[[contact]]\nname = \"left\"\ngap = \"b + x\"\n\
+        impulse = { v = 1 }\nrestitution = 0.7\n[section.s]\nsurface = \"x\"\ndirection = \"rising\"\n\
+        [initial]\nx = 0.3\nv = 0.5\n";
+    for start in ["1.9", "2.0", "2.05"] {
+        for step in [0.02, 0.1] {
+            let found = over(&with(text, &[("b", start)]), "b", (1.8, 2.1), (4, step));
+            let [branch] = &found[..] else {
+                panic!("from {start} by {step}: {}", found.len());
+            };
+            let ends = &branch.ends;
+            assert_eq!(ends, &[End::Range, End::Range], "from {start} by {step}");
+            let told: Vec<_> = branch.special.iter().map(|graze| graze.kind).collect();
+            assert_eq!(
+                told,
+                [SpecialKind::ImpactGraze; 2],
+                "from {start} by {step}"
+            );
+            for graze in &branch.special {
+                assert!((value(graze) - 2.005_915_788_6).abs() < 1e-10, "{graze:?}");
+                assert!(graze.error < 1e-13, "{graze:?}");
+            }
+            for point in &branch.points {
+                let strikes = if point.parameter() < value(&branch.special[0]) {
+                    2
+                } else {
+                    0
+                };
+                assert_eq!(point.impacts, Some(strikes), "{}", point.parameter());
+            }
+        }
+    }
+}
