@@ -18,6 +18,10 @@ impl Shooting<f64> {
     /// The graze of one of the impacts that are about to lose their rates, by equations without the others, which touch there as well, and how many
     /// those are. None where no others do.
     fn graze_together(&self, at: &[f64]) -> Option<(Touched, usize)> {
+        // With a clock rates are smooth.
+        if self.workshop.closure.time.is_some() || self.counts.iter().any(|&count| count != 0) {
+            return None;
+        }
         let slow = self.slower_than(SLOW);
         let others = slow.len().checked_sub(1).filter(|&others| others > 0)?;
         // Several at one contact are chatter.
