@@ -28,7 +28,7 @@ pub(in crate::analysis::periodic::branch) const THERE: f64 = 1e-3;
 const SOLVED: f64 = 1e-12;
 /// A part of a direction that is less than this is rounding.
 const FLAT: f64 = 1e-6;
-/// An impact leaves no rate if that is this part of the rate that it had.
+/// A rate is none if it is this part of the fastest with which anything is met.
 const NO_RATE: f64 = 1e-12;
 /// Where a new sequence begins its steps, against those before.
 const CAREFUL: f64 = 0.05;
@@ -414,11 +414,13 @@ impl Walker {
         is_told(height, terms, roundoffs)
     }
 
-    /// Whether the impact before a step leaves the gap no rate, as a plastic one does.
+    /// Whether a gap has no rate where a step begins.
     fn begins_at_rest(&self, station: &Station, (index, contact): (usize, usize)) -> bool {
         let (rate, _) = self.shooting.gap_rate(&station.at, (index, contact));
-        let struck = self.shooting.latest.get(self.shooting.before(index));
-        struck.is_some_and(|landing| rate.abs() <= NO_RATE * landing.surface_rate.abs())
+        let fastest = (self.shooting.latest.iter())
+            .map(|landing| landing.surface_rate.abs())
+            .fold(0.0, f64::max);
+        rate.abs() <= NO_RATE * fastest
     }
 
     /// Whether the flight before an impact, if it begins with a release of the same contact, can be told from rounding of the gap.
