@@ -403,14 +403,8 @@ impl Walker {
             return true;
         };
         let (rate, terms) = self.shooting.gap_rate(&station.at, (index, contact));
-        // From zero with this rate, and back to where both vanish: a cubic; a quartic from where a plastic impact leaves no rate.
-        let height = match self.begins_at_rest(station, (index, contact)) {
-            true => {
-                let acceleration = (self.shooting).gap_acceleration(&station.at, (index, contact));
-                acceleration * touch.time.powi(2) / 32.0
-            }
-            false => 4.0 / 27.0 * (rate * touch.time).abs(),
-        };
+        // From zero with this rate, and back to where both vanish: a cubic.
+        let height = 4.0 / 27.0 * (rate * touch.time).abs();
         is_told(height, terms, roundoffs)
     }
 

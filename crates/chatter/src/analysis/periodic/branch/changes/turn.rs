@@ -8,7 +8,7 @@ use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::Shooting;
-use crate::expressions::{Expr, Side, Sides, Symbol};
+use crate::expressions::{Side, Sides, Symbol};
 use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, Least, LegKind};
 use crate::numerics::Real;
@@ -147,17 +147,6 @@ impl Shooting<f64> {
             terms += (slope * start[state]).abs();
         }
         (rate, terms)
-    }
-
-    /// The acceleration of a contact's gap where a step begins, in flight.
-    pub(super) fn gap_acceleration(&self, at: &[f64], (index, contact): (usize, usize)) -> f64 {
-        let model = &self.workshop.model;
-        let mut graph = model.graph.clone();
-        let field: Vec<Expr> = model.states.iter().map(|state| state.derivative).collect();
-        let rate = graph.lie_derivative(model.contacts[contact].gap, &field);
-        let acceleration = graph.lie_derivative(rate, &field);
-        let parameters = self.workshop.parameters(self.free(at));
-        graph.evaluate(acceleration, self.node(at, index), &parameters)
     }
 }
 
