@@ -151,12 +151,10 @@ impl Walker {
                         }
                     }
                     walked.grazes += 1;
-                    let station = curve.station.clone();
                     if self.grazes_end(&mut curve, &mut here) {
                         at_graze = true;
                         continue;
                     }
-                    self.settle(&station);
                     match self.begins_to_open(&mut curve, &mut here) {
                         Some(Stop::Over(end) | Stop::End(end)) => break end,
                         Some(_) => {

@@ -298,8 +298,7 @@ pub(crate) fn least_beside(
     else {
         return Ok(least);
     };
-    let is_touch =
-        |l: &Least| l.guard == GuardKind::Gap(contact) || l.value.abs() <= NOWHERE * l.size.abs();
+    let is_touch = |l: &Least| l.guard == GuardKind::Gap(contact) || is_nothing(l);
     let way = |step: usize| AT_TOUCH * shooting.latest[step].duration.abs();
     let after = shooting.after(index);
     let (begins, left) = (way(after), way(index));
@@ -313,6 +312,11 @@ pub(crate) fn least_beside(
     Ok(least)
 }
 
+/// Whether a guard touches zero, to rounding.
+fn is_nothing(least: &Least) -> bool {
+    least.value.abs() <= NOWHERE * least.size.abs()
+}
+
 /// The guards that touch as well where a step grazes.
 pub(super) fn touches_beside(
     shooting: &mut Shooting<f64>,
@@ -321,7 +325,7 @@ pub(super) fn touches_beside(
 ) -> Result<Vec<GuardKind>, Left> {
     let least = least_beside(shooting, at, Some(grazing))?;
     let all = least.into_iter().flatten();
-    let touching = all.filter(|l| !l.at_end && l.value.abs() <= NOWHERE * l.size.abs());
+    let touching = all.filter(|l| !l.at_end && is_nothing(l));
     Ok(touching.map(|l| l.guard).collect())
 }
 
@@ -341,8 +345,7 @@ pub(crate) fn broken_beside(
     // What touches as well all along, as the other wall does of an orbit that is its own mirror image, does so to rounding.
     let touches = |broken: &Broken| match *broken {
         Broken::Inner(step, guard @ GuardKind::Gap(_)) if grazing.is_some() => {
-            smallest(&least, (step, guard), false)
-                .is_some_and(|l| l.value.abs() <= NOWHERE * l.size.abs())
+            smallest(&least, (step, guard), false).is_some_and(is_nothing)
         }
         _ => false,
     };

@@ -104,12 +104,12 @@ impl Walker {
         let (station, told) = (curve.station.clone(), self.special.len());
         self.settle(&station);
         let forward = self.heading_known(&station);
-        let Some(next) = self.lose_together(&station, &here.clone()) else {
-            return false;
-        };
-        let ends = matches!(self.goes_on(Ok(next), (curve, forward), here), Stop::On);
+        let next = self.lose_together(&station, &here.clone());
+        let ends = next
+            .is_some_and(|next| matches!(self.goes_on(Ok(next), (curve, forward), here), Stop::On));
         if !ends {
             self.special.truncate(told);
+            self.settle(&station);
         }
         ends
     }
