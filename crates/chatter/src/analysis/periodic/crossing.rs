@@ -3,7 +3,7 @@
 
 use super::cycle::itinerary::{Passage, Step};
 use super::cycle::rotate::rotate;
-use super::cycle::settle::from_first_turn;
+use super::cycle::settle::cycle::from_first_turn;
 use super::error::PeriodicError;
 use super::shooting::{AT_ENDS, Shooting};
 use crate::flow::leg::{Jump, Least, LegKind};

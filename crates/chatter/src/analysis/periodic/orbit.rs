@@ -1,7 +1,8 @@
 //! One periodic orbit, closed by Newton's method.
 
 use super::cycle::itinerary::{Passage, Step};
-use super::cycle::settle::{Cycle, Patience, settle};
+use super::cycle::settle::cycle::Cycle;
+use super::cycle::settle::{Patience, settle};
 use super::error::PeriodicError;
 use super::margins::{Margin, margins};
 use super::multipliers::{is_neutral, is_stable};

@@ -2,7 +2,8 @@
 
 use super::branch::is_broken;
 use super::cycle::reread::reread;
-use super::cycle::settle::{Patience, loops};
+use super::cycle::settle::Patience;
+use super::cycle::settle::loops::loops;
 use super::cycle::trace::Tracer;
 use super::error::PeriodicError;
 use super::margins::MarginKind;

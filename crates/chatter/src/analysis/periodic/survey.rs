@@ -6,7 +6,8 @@ use super::branch::{
     Branch, End, Limits, Near, Point, Seed, Special, SpecialKind, Wanted, beside, follow,
 };
 use super::cycle::itinerary::Step;
-use super::cycle::settle::{Cycle, Patience};
+use super::cycle::settle::Patience;
+use super::cycle::settle::cycle::Cycle;
 use super::diary::Diary;
 use super::error::PeriodicError;
 use super::orbit::{Orbit, settled_if};

@@ -55,7 +55,7 @@ fn loops_of_chaos_are_short() {
     let model = Model::from_toml(text, "valve").unwrap();
     let workshop = workshop(&model, &Spec::default(), (&[], &[])).unwrap();
     let state = model.initial_state(&model.parameter_values::<f64>(&[]));
-    let loops = cycle::settle::loops(&workshop, &[], &state, (9, 2)).unwrap();
+    let loops = cycle::settle::loops::loops(&workshop, &[], &state, (9, 2)).unwrap();
     assert_eq!(loops.cycles.len(), 2);
     let legs = loops.cycles.iter().map(|cycle| cycle.steps.len());
     assert!(

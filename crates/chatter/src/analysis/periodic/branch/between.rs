@@ -241,9 +241,10 @@ impl Walker {
         if meetings > 1 && !(meets || turns) {
             kinds.extend(places(1.0, Passed::MeetingOf));
         }
-        // A pair that stays on the circle, as where energy is conserved, changes sides by rounding.
+        // A pair that stays on the circle, as where energy is conserved, changes sides by rounding: its product, which changes by twice as much as
+        // its modulus, is to change by more than that is known to.
         let error = here.modulus_error.max(there.modulus_error);
-        let is_pair = |ends: &(f64, f64)| ends.0.abs().max(ends.1.abs()) > error;
+        let is_pair = |ends: &(f64, f64)| (ends.0 - ends.1).abs() > 2.0 * error;
         // Of two that pass -1, or 1, at once the product passes 1.
         let torus =
             both(passes_together).filter(|ends| is_pair(ends) && doublings.max(meetings) < 2);

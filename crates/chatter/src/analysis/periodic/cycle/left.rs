@@ -1,6 +1,6 @@
 //! What is left of a motion that dies out under a forcing.
 
-use super::settle::{DIED_OUT, Most, is_phase, states};
+use super::settle::sizes::{DIED_OUT, Most, is_phase, states};
 use super::trace::Instant;
 use crate::analysis::periodic::closure::Turn;
 use crate::analysis::periodic::shooting::Workshop;

@@ -2,7 +2,8 @@
 
 use super::itinerary::{Passage, Step, read};
 use super::rotate::past_instant;
-use super::settle::{Cycle, from_first_turn, sizes, states};
+use super::settle::cycle::{Cycle, from_first_turn};
+use super::settle::sizes::{sizes, states};
 use super::trace::{Instant, Tracer, leave_out_crossings};
 use crate::analysis::periodic::closure::Turn;
 use crate::analysis::periodic::error::PeriodicError;

@@ -5,7 +5,7 @@ use crate::analysis::continuation::{Condition as Row, Problem, newton};
 use crate::analysis::periodic::branch::SpecialKind;
 use crate::analysis::periodic::condition::Condition;
 use crate::analysis::periodic::cycle::reread::reread;
-use crate::analysis::periodic::cycle::settle::Cycle;
+use crate::analysis::periodic::cycle::settle::cycle::Cycle;
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::multipliers::{NEAR_ONE, is_near, neutral};
 use crate::analysis::periodic::orbit::shorter;

@@ -30,6 +30,39 @@ fn a_pair_that_stays_on_the_unit_circle_does_not_pass_it() {
     assert!(!branch.points.iter().any(Point::is_stable));
 }
 
+/// The same with a stop at the equilibrium that takes no energy. The orbit is its own image under the reversal of time.
+const ELASTIC: &str = r#"
+[parameters]
+omega = 2.3
+[flight]
+x = "v"
+v = "-x + cos(omega*t)"
+[[contact]]
+name = "stop"
+gap = "-x"
+impulse = { v = -1 }
+restitution = 1
+[section.strobe]
+surface = "sin(omega*t)"
+direction = "rising"
+[initial]
+x = -1.3788035701646943
+v = 0
+"#;
+
+#[test]
+fn a_pair_that_rounding_takes_off_the_unit_circle_does_not_pass_it() {
+    for step in [0.03, 0.04] {
+        let found = over(&with(ELASTIC, &[]), "omega", (2.02, 3.99), (10, step));
+        let [branch, ..] = &*found else {
+            panic!("no branch");
+        };
+        let is_told = |kind: SpecialKind| branch.special.iter().any(|s| s.kind == kind);
+        assert!(is_told(SpecialKind::PeriodDoubling), "{step}");
+        assert!(!is_told(SpecialKind::NeimarkSacker), "{step}");
+    }
+}
+
 /// Iterates a map by a clock.
 fn map(image: &str, start: f64) -> String {
     format!(
