@@ -594,3 +594,39 @@ fn a_sequence_may_begin_before_its_jerk_is_that_of_release() {
     assert!((one - other).abs() <= error + other_error, "{told:?}");
     assert!(error < 1e-5, "{told:?}");
 }
+
+/// A part on an oblique conveyor: the third impact of each period stops its sliding, which forgets how fast it was. The motion has settled after
+/// hundreds of turns, where rounding of the time moves the trough by more than that of its velocity.
+#[test]
+fn an_impact_that_stops_what_slides_is_seen_after_many_turns() {
+    let text = r#"
+[parameters]
+A = 2.95
+[definitions]
+along = "A*cos(0.5)*cos(t)"
+[flight]
+x = "u"
+u = "0"
+y = "v"
+v = "-1"
+[[contact]]
+name = "trough"
+gap = "y - A*sin(0.5)*sin(t)"
+impulse = { v = 1 }
+restitution = 0.4
+friction = { coefficient = 0.3, along = { u = 1 }, rate = "u - along" }
+[section.s]
+surface = "sin(t)"
+direction = "rising"
+[initial]
+x = 0
+u = 0
+y = 1
+v = 0
+"#;
+    for a in ["2.95", "2.98", "3.1"] {
+        let found = orbit(&with(text, &[("A", a)]));
+        assert_eq!(found.impacts, None, "{a}");
+        assert!(found.multipliers.iter().all(|m| m.modulus() < 1e-12), "{a}");
+    }
+}

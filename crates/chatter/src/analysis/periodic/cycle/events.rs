@@ -67,6 +67,8 @@ pub(super) fn single(instant: &Instant) -> Option<LegKind> {
 /// A rate of sliding is zero that is no more than so many roundoffs of what any state has a part in it, or friction may have had at the
 /// impact.
 const STOPPED_ROUNDOFFS: f64 = 16.0;
+/// How a function changes with a state is told by so small a part of that.
+const LITTLE: f64 = 1e-8;
 
 /// Whether a contact slides the other way after an impact, against the friction of which the impact has no map of its own.
 fn slides_back((system, parameters): (&System, &[f64]), instant: &Instant, contact: usize) -> bool {
@@ -116,10 +118,14 @@ fn stops((system, parameters): (&System, &[f64]), instant: &Instant, contact: us
     let known = system.with_pieces(parameters, &instant.pieces);
     let at = |state: &[f64], of| model.graph.evaluate(of, state, &known);
     let rate = at(&instant.state, friction.rate);
+    // What a state has a part in; and, as of time after many turns, what it changes by when displaced by as much as it is, were that linear.
     let part = |i: usize| {
-        let mut state = instant.state.clone();
-        state[i] = 0.0;
-        (at(&state, friction.rate) - rate).abs()
+        let displaced = |by: f64| {
+            let mut state = instant.state.clone();
+            state[i] -= by * state[i];
+            (at(&state, friction.rate) - rate).abs() / by
+        };
+        displaced(1.0).max(displaced(LITTLE))
     };
     let coefficient = at(&instant.state, friction.coefficient);
     let impulse = impulse((system, parameters), instant, contact);

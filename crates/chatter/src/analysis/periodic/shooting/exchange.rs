@@ -71,7 +71,7 @@ impl<R: Real> Shooting<R> {
 
     /// Whether the event at the end of a step may change places with the one before.
     pub(super) fn may_exchange(&self, index: usize) -> bool {
-        self.exchange(index).is_some() || self.is_way_back(index)
+        self.exchange(index).is_some() || self.is_way_back(index) || self.cut_short(index).is_some()
     }
 
     fn exchange(&self, index: usize) -> Option<Exchange> {

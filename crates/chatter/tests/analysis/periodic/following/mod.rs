@@ -1,6 +1,7 @@
 //! Branches are the same wherever they begin, whatever the steps, and however often they are broken off.
 
 mod any_start;
+mod cut_short;
 mod families;
 mod monitors;
 mod rest_begins;

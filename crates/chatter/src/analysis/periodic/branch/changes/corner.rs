@@ -166,7 +166,17 @@ impl Shooting<f64> {
         met: &Solved,
     ) -> Result<Station, String> {
         let back = guard.opposite().ok_or("a corner without sides")?;
-        let known = self.watch_corner(index, back);
+        self.inside_corner(at, (index, back), met)
+    }
+
+    /// The first station from where an event is at a corner, on the side where it comes before that.
+    pub(super) fn inside_corner(
+        &mut self,
+        at: Vec<f64>,
+        (index, guard): (usize, GuardKind),
+        met: &Solved,
+    ) -> Result<Station, String> {
+        let known = self.watch_corner(index, guard);
         known.map_err(|error| error.to_string())?;
         let function = self.corner_function();
         let gradient = self.monitor(function, &at);

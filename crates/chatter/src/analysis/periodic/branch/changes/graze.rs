@@ -81,6 +81,17 @@ impl Walker {
         {
             return Stop::End(end);
         }
+        if let Broken::Passed(index) = broken
+            && let Some(surface) = self.shooting.cut_short(index)
+        {
+            return self.hold_vanishes((curve, reached), (&station, index, surface), here);
+        }
+        if let Broken::Early(index, GuardKind::Switch(surface)) = broken
+            && let Some(stop) =
+                self.hold_comes_in((curve, reached), (&station, index, surface), here)
+        {
+            return stop;
+        }
         if let Broken::Passed(index) = broken {
             return self.exchange((curve, step, reached), (station, index), here);
         }
@@ -101,6 +112,7 @@ impl Walker {
         let there = Point::new(&mut self.shooting, &station);
         // Where an impact loses its rate multipliers have a pole: not quite there.
         let close = reached * (1.0 - NOT_QUITE);
+        let mut just_before = from.clone();
         if let Ok((nearly, _)) = from.ahead(&mut self.shooting, close) {
             self.settle(&nearly);
             let near = Point::new(&mut self.shooting, &nearly);
@@ -109,6 +121,7 @@ impl Walker {
             if let Some(end) = self.between_beside_graze((&from, &nearly), close, points, false) {
                 return Stop::End(end);
             }
+            just_before = nearly;
         }
         self.settle(&station);
         let is_less = |walker: &mut Self, roundoffs: f64| match broken {
@@ -135,8 +148,11 @@ impl Walker {
         {
             return self.comes_to_corner((curve, step), (&station, index, guard), here, &there);
         }
-        // Of the equations as they are.
-        let headings = (self.heading_known(&from), self.heading_known(&station));
+        // Of the equations as they are; a fold may lie between.
+        let headings = (
+            self.heading_known(&just_before),
+            self.heading_known(&station),
+        );
         let (known, before) = (self.special.len(), self.shooting.clone());
         let outcome = match broken {
             Broken::Inner(index, GuardKind::Gap(contact))

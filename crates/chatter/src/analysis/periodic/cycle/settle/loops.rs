@@ -60,22 +60,22 @@ pub(crate) fn loops(
         }
         (None, Some(section)) => {
             let most = (passed + periods + 2) * CHUNK;
-            let crossings = |instants: &[Instant]| -> Vec<usize> {
-                (0..instants.len())
-                    .filter(|&index| instants[index].crosses(section))
-                    .collect()
-            };
-            // No longer than it takes: a motion that comes to rest crosses a section for ever.
+            // No longer than it takes: a motion that comes to rest crosses a section for ever, and another one never again.
             let mut chunk = FIRST_CHUNK;
-            while instants.len() < most && crossings(&instants).len() <= passed + periods {
-                let enough = instants.len() + chunk;
+            let mut crossings: Vec<usize> = Vec::new();
+            while instants.len() < most && crossings.len() <= passed + periods {
+                let (begin, known) = (instants.len(), crossings.len());
                 tracer.follow((f64::MAX, chunk), &mut instants, &mut quiet)?;
-                if instants.len() < enough {
+                // The latest instant before may have had more to tell.
+                let after = crossings.last().map_or(0, |latest| latest + 1);
+                let new = after.max(begin.saturating_sub(1))..instants.len();
+                crossings.extend(new.filter(|&index| instants[index].crosses(section)));
+                let is_idle = chunk == CHUNK && crossings.len() == known;
+                if instants.len() < begin + chunk || is_idle {
                     break;
                 }
                 chunk = (2 * chunk).min(CHUNK);
             }
-            let crossings = crossings(&instants);
             for count in 1..=periods {
                 if let (Some(&first), Some(&last)) =
                     (crossings.get(passed), crossings.get(passed + count))
