@@ -85,7 +85,8 @@ impl Shooting<f64> {
             Some(left.iter().map(|x| x.to_f64()).collect())
         });
         // They come at once if the equations hold there.
-        let off: Vec<f64> = column.iter().map(|by| by * unfolds[0]).collect();
+        let unfolds = *unfolds.first()?;
+        let off: Vec<f64> = column.iter().map(|by| by * unfolds).collect();
         if both.apart(&off) > NOISE * f64::EPSILON {
             return None;
         }
