@@ -8,8 +8,10 @@
 //! differenced  derivatives of a function by differences along the solutions
 //! Held         a problem with one more condition and one more free parameter: curves in two parameters are curves again
 //! meeting      where two curves meet
+//! coincidence  where two functions vanish at once and the equations are singular
 //! ```
 
+mod coincidence;
 mod curve;
 mod differences;
 mod held;
@@ -22,6 +24,7 @@ mod problem;
 #[cfg(test)]
 mod tests;
 
+pub use coincidence::{Coincidence, Coincident, coincidence};
 pub use curve::{Curve, Settings, Station, StepError, tangent};
 pub use differences::differenced;
 pub use held::{Held, Singular};

@@ -157,3 +157,51 @@ fn a_curve_is_the_same_both_ways() {
     }
     assert!(back.station.at[0] > 0.0 && back.station.parameter() > 0.5);
 }
+
+/// Where y (u^2 + v^2) = 0 with u = q + y and v = q - y, q = p - 1/2: a curve y = 0 on which u and v vanish at once, and all derivatives.
+struct Halves([f64; 2]);
+
+impl Problem<f64> for Halves {
+    fn unknowns(&self) -> usize {
+        2
+    }
+
+    fn parameters(&self) -> usize {
+        1
+    }
+
+    fn scales(&self) -> &[f64] {
+        &self.0
+    }
+
+    fn evaluate(&mut self, at: &[f64]) -> Result<Linearised<f64>, Left> {
+        let (y, q) = (at[0], at[1] - 0.5);
+        Ok(Linearised {
+            residual: vec![2.0 * y * (q * q + y * y)],
+            jacobian: Matrix::from_rows(&[vec![2.0 * q * q + 6.0 * y * y, 4.0 * y * q]]),
+        })
+    }
+
+    fn monitor(&mut self, index: usize, at: &[f64]) -> Result<(f64, Vec<f64>), Left> {
+        let (y, q) = (at[0], at[1] - 0.5);
+        Ok(match index {
+            0 => (q + y, vec![1.0, 1.0]),
+            _ => (q - y, vec![-1.0, 1.0]),
+        })
+    }
+}
+
+#[test]
+fn a_coincidence_is_a_simple_root_where_one_condition_has_a_threefold_one() {
+    let mut halves = Halves([1.0, 1.0]);
+    let start = [0.012, 0.51];
+    let alone = newton(&mut Held::monitor(&mut halves, 0), &start, &[]);
+    // Newton's method gains a third at each correction, if it is not refused.
+    assert!(alone.is_err_and(|error| matches!(error, NewtonError::Stalled { .. })));
+    let both = coincidence(&mut halves, &start, [0, 1]).unwrap();
+    let [y, p] = both.found.at[..] else { panic!() };
+    assert!(y.abs() < 1e-15 && (p - 0.5).abs() < 1e-15, "{y} {p}");
+    assert!(both.unfolds.abs() < 1e-15, "{}", both.unfolds);
+    // Along the curve: both grow alike.
+    assert!(both.along[0].abs() < 1e-12 && (both.along[1] - 1.0).abs() < 1e-12);
+}

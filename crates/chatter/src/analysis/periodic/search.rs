@@ -1,6 +1,6 @@
 //! Every periodic orbit that Newton's method finds from many starts, stable or not.
 
-use super::branch::is_broken;
+use super::branch::{Broken, broken, is_broken};
 use super::cycle::reread::reread;
 use super::cycle::settle::Patience;
 use super::cycle::settle::loops::loops;
@@ -10,6 +10,7 @@ use super::margins::MarginKind;
 use super::orbit::{Orbit, as_told, close, settled};
 use super::shooting::Workshop;
 use crate::analysis::diagram::Generator;
+use crate::flow::GuardKind;
 use crate::numerics::Real;
 use core::ops::ControlFlow;
 use std::sync::Arc;
@@ -126,11 +127,17 @@ pub(crate) fn simplest(
     free: &[f64],
 ) -> Result<Orbit, PeriodicError> {
     // Closed from a return that is not near, equations may have a solution that is no motion.
-    let settled = settled.and_then(|orbit| match flies_through_a_wall(&orbit) {
-        true => motion(workshop, orbit).ok_or_else(|| PeriodicError::NoConvergence {
-            how: "a flight of what was found goes through a wall".to_owned(),
-        }),
-        false => Ok(orbit),
+    let settled = settled.and_then(|mut orbit| {
+        let no_motion = match flies_through_a_wall(&orbit) {
+            true => "a flight of what was found goes through a wall",
+            false if sticks_too_long(&mut orbit) => {
+                "friction would have to hold too much where what was found sticks"
+            }
+            false => return Ok(orbit),
+        };
+        motion(workshop, orbit).ok_or_else(|| PeriodicError::NoConvergence {
+            how: no_motion.to_owned(),
+        })
     });
     let (start, longest) = match &settled {
         Ok(orbit) if orbit.is_stable() => return settled,
@@ -186,6 +193,16 @@ fn flies_through_a_wall(orbit: &Orbit) -> bool {
     let inside = INSIDE * sizes.into_iter().fold(0.0, f64::max);
     let mut gaps = (orbit.margins.iter()).filter(|margin| margin.kind == MarginKind::LeastGap);
     gaps.any(|gap| gap.value < -inside)
+}
+
+/// Whether a step slides from where the force is beyond what holds it there: the motion that it was closed from, which settled slowly, may have
+/// slid at once where that which it settles to does not.
+fn sticks_too_long(orbit: &mut Orbit) -> bool {
+    let Ok(least) = orbit.shooting.least(&orbit.at) else {
+        return false;
+    };
+    let beyond = |broken: &Broken| matches!(broken, Broken::Beyond(_, GuardKind::Leave(..)));
+    broken(&orbit.shooting, &least).iter().any(beyond)
 }
 
 /// An orbit of fewer periods is shorter than this part of another.

@@ -47,6 +47,19 @@ impl Shooting<f64> {
     /// has taken it: where flights are short, or there are many of them, the same rounding is made at each correction. The second
     /// correction, which derivatives in doubles make necessary, tells how far the first one is to be trusted.
     pub(crate) fn refined(&self, bordered: &Bordered, found: Corrected<f64>) -> Solved {
+        let start = found.at.clone();
+        self.refined_by(found, &start, |fine, at| left_of(fine, bordered, at))
+            .0
+    }
+
+    /// The same of equations that may have more unknowns, the last of them, from what is left of all of them; with these as they are then.
+    pub(crate) fn refined_by(
+        &self,
+        found: Corrected<f64>,
+        start: &[f64],
+        mut left_of: impl FnMut(&mut Shooting<DoubleDouble>, &[DoubleDouble]) -> Option<Vec<f64>>,
+    ) -> (Solved, Vec<f64>) {
+        let (own, last) = (found.at.len(), found.at.len().saturating_sub(1));
         let parameter = found.at.last().copied().unwrap_or_default();
         let scale = self.scales().last().copied().unwrap_or(1.0);
         let mut solved = Solved {
@@ -56,32 +69,34 @@ impl Shooting<f64> {
             told: found.at.clone(),
             at: found.at,
         };
+        let more = start[own..].to_vec();
         let Ok(mut fine) = self.in_longer_numbers(&solved.at) else {
-            return solved;
+            return (solved, more);
         };
-        let mut at = longer(&solved.at);
+        let mut at = longer(start);
         let mut latest = ROUNDED;
         for _ in 0..2 {
-            let Some(left) = left_of(&mut fine, bordered, &at) else {
-                return solved;
+            let Some(left) = left_of(&mut fine, &at) else {
+                return (solved, more);
             };
             let by = found.factors.solve(&left);
-            let off = by.last().copied().unwrap_or_default().abs();
+            let off = by.get(last).copied().unwrap_or_default().abs();
             // A parameter whose range is narrow is rounded to what it is itself.
-            let parts = by[..by.len() - 1].iter().zip(self.scales());
+            let parts = by[..last].iter().zip(self.scales());
             let most = parts.fold(off / parameter.abs().max(scale), |most, (x, size)| {
                 most.max(x.abs() / size)
             });
             if most.is_nan() || most > latest {
                 solved.error = solved.error.max(off);
-                return solved;
+                return (solved, more);
             }
             (at.iter_mut().zip(&by)).for_each(|(x, &by)| *x -= DoubleDouble::from(by));
             latest = most;
             solved.error = roundoff(parameter).max(off);
         }
-        solved.told = at.iter().map(|x| x.to_f64()).collect();
-        solved
+        let all: Vec<f64> = at.iter().map(|x| x.to_f64()).collect();
+        solved.told = all[..own].to_vec();
+        (solved, all[own..].to_vec())
     }
 }
 

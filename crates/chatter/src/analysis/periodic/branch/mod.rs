@@ -15,6 +15,7 @@
 //!   graze        where an impact comes in or goes out
 //!   touch        the same for a crossing and the way back
 //!   turn         the same where the flow turns with the rate of the impact
+//!   coincidence  the same where it turns at two places at once
 //!   corner       where an event comes to a corner that only it asks for
 //!   opening      where a contact at rest begins to open
 //!   root         where slopes of an event have no bound
@@ -55,7 +56,7 @@ pub use special::{Special, SpecialKind};
 pub(super) use branch_point::interpolated;
 pub(super) use changes::graze::moved;
 pub(crate) use changes::holds::{
-    Broken, broken_beside, first_break, is_broken, least_beside, smallest,
+    Broken, broken, broken_beside, first_break, is_broken, least_beside, smallest,
 };
 pub(super) use changes::touch::{STAYS, Stay, VANISHED};
 pub(super) use ends::returns::{Began, passages, returned};

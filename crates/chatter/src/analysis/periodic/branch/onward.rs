@@ -2,7 +2,7 @@
 
 use super::changes::graze::{THERE, moved};
 use super::changes::holds::is_broken;
-use super::changes::touch::Touched;
+use super::changes::touch::{NO_TIME, Touched};
 use super::walker::Walker;
 use super::{Limits, Point, Seed, SpecialKind};
 use crate::analysis::continuation::{Curve, Problem, Settings, Station, locate};
@@ -166,7 +166,12 @@ impl Walker {
 
     /// On past where a stay takes no time at all, by the equations without it: with it they have solutions beyond, in which rounding is what is
     /// left of it, and where it is to vanish they are singular. Whether it comes to that.
-    fn past_stay(&mut self, from: &Station, curve: &mut Curve, here: &mut Point) -> bool {
+    pub(super) fn past_stay(
+        &mut self,
+        from: &Station,
+        curve: &mut Curve,
+        here: &mut Point,
+    ) -> bool {
         let count = self.shooting.steps.len();
         let left = |station: &Station, index: usize| {
             let place = self.shooting.duration_place(index)?;
@@ -177,19 +182,23 @@ impl Walker {
             let was = left(&curve.station, *index);
             self.shooting.has_come_back(&from.at, *index) && left(from, *index) <= was
         };
-        let Some(index) = (0..count).find(is_over) else {
+        let over = (0..count).find(is_over);
+        // Where several are over at once equations become singular before.
+        let index = over.or_else(|| self.shooting.way_onto_that_shrinks(from, NO_TIME));
+        let Some(index) = index else {
             return false;
         };
         self.settle(from);
         let forward = self.heading(from);
-        let touched = self.shooting.without_stay(&from.at, index);
-        let Some(touched) = touched.ok() else {
+        let touched = self.shooting.without_stay(&from.at, index).ok();
+        let touched = touched.filter(|touched| over.is_some() || touched.together.is_some());
+        let Some(mut touched) = touched else {
             return false;
         };
-        let Some((mut shorter, next)) = begins(&touched, &self.distances()) else {
+        let Some((shorter, next)) = begins(&mut touched, (&self.distances(), &self.limits)) else {
             return false;
         };
-        let there = Point::new(&mut shorter, &next);
+        let there = touched.point(&next);
         let is_new = !self.has_told(touched.place(), touched.error);
         self.shooting = shorter;
         self.settle(&next);
@@ -405,7 +414,13 @@ pub(in crate::analysis::periodic) fn beside(
 }
 
 /// A station beside a touch, to the side where the sequence of events without what has vanished there holds.
-fn begins(touched: &Touched, distances: &[f64]) -> Option<(Shooting<f64>, Station)> {
+fn begins(
+    touched: &mut Touched,
+    (distances, limits): (&[f64], &Limits),
+) -> Option<(Shooting<f64>, Station)> {
+    if let Some(together) = &mut touched.together {
+        return together.without_slips(limits);
+    }
     let (shooting, at, index) = touched.place();
     let mut steps = shooting.current_steps(at);
     steps.remove(index);
@@ -457,7 +472,7 @@ pub(super) fn touch_between(
         .filter_map(|(index, guard)| {
             let begins = (shooting.after(index), guard.opposite()?);
             let turn = shooting.with_turn_at_start(at, begins).ok()?;
-            Touched::solve(turn).ok()
+            Touched::solve_turn(turn).ok()
         });
     // Where rounding decides orbits are known to less than as far as they go from there.
     let (low, high) = (between[0].min(between[1]), between[0].max(between[1]));

@@ -2,6 +2,7 @@
 
 use super::between::STANDS;
 use super::changes::holds::broken;
+use super::changes::touch::STAYS;
 use super::ends::growth::growth;
 use super::ends::returns::passages;
 use super::ends::unbounded::{Law, unbounded};
@@ -155,6 +156,10 @@ impl Walker {
                         at_graze = true;
                         continue;
                     }
+                    if self.slips_begin(&mut curve, &mut here) {
+                        at_graze = true;
+                        continue;
+                    }
                     match self.begins_to_open(&mut curve, &mut here) {
                         Some(Stop::Over(end) | Stop::End(end)) => break end,
                         Some(_) => {
@@ -200,6 +205,17 @@ impl Walker {
                     at_graze = true;
                     continue;
                 }
+            }
+            // Where two such ways are over at once equations become singular before they are.
+            if self
+                .shooting
+                .way_onto_that_shrinks(&next, STAYS[1])
+                .is_some()
+                && self.past_stay(&next, &mut curve, &mut here)
+            {
+                walked.grazes += 1;
+                at_graze = true;
+                continue;
             }
             // The landings of the last correction belong to a point that differs by less than its square; a hop that led nowhere has left
             // others.

@@ -430,6 +430,12 @@ impl<R: Real> Shooting<R> {
         &at[self.places[index]..self.places[index] + n]
     }
 
+    /// Places of that node among the unknowns.
+    pub(crate) fn node_places(&self, index: usize) -> core::ops::Range<usize> {
+        let place = self.places[index];
+        place..place + self.workshop.model.states.len()
+    }
+
     /// Place of the duration of a step among the unknowns.
     pub(crate) fn duration_place(&self, index: usize) -> Option<usize> {
         let n = self.workshop.model.states.len();

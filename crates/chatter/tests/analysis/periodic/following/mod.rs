@@ -8,6 +8,7 @@ mod rest_begins;
 mod resumed;
 mod stations;
 mod steps;
+mod sticks_together;
 mod together;
 mod told_from;
 mod told_once;

@@ -197,6 +197,11 @@ impl Walker {
                 self.meets_with_event(&station, (index, guard), &there);
                 Err(broken.told(&self.shooting))
             }
+            Broken::Beyond(index, guard)
+                if let Some(touched) = self.sticks_just_hold(&station, (index, guard)) =>
+            {
+                self.slips_come_in(touched, &there)
+            }
             Broken::Beyond(index, guard) => {
                 let slides = matches!(guard, GuardKind::Leave(..));
                 let met = match slides {
@@ -553,6 +558,7 @@ impl Walker {
             residual,
             correction,
             error,
+            ..
         } = touched;
         let (_, gradient) = longer.monitor(index, &at).map_err(|left| told(&left))?;
         let mut tangent = tangent(&mut longer, &at, &gradient).map_err(|error| told(&error))?;

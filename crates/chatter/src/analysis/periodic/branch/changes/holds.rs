@@ -87,10 +87,8 @@ const NOTHING: f64 = 1e-13;
 /// … or so small a part of the states, where it is no larger part of them anywhere.
 const NOWHERE: f64 = 1e-12;
 
-pub(in crate::analysis::periodic::branch) fn broken(
-    shooting: &Shooting<f64>,
-    least: &[Vec<Least>],
-) -> Vec<Broken> {
+/// All such guards, after an evaluation.
+pub(crate) fn broken(shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Vec<Broken> {
     let closure = &shooting.workshop.closure;
     let states = (shooting.state_sizes().iter().enumerate())
         .filter(|(index, _)| !closure.is_phase(*index))

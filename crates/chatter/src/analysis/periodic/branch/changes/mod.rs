@@ -1,5 +1,6 @@
 //! From one sequence of events to the next: whether it still holds, and how it goes on where it does not.
 
+pub(super) mod coincidence;
 pub(super) mod corner;
 mod cut_short;
 pub(super) mod events;

@@ -1,6 +1,7 @@
 //! Where a surface on which formulas change their form is touched: a stay comes in, or goes out. Where the field is continuous it is on
 //! the other side, from a crossing to the way back; where the fields of both sides lead to the surface it is on the surface itself.
 
+use super::coincidence::Together;
 use super::events::unfollowed;
 use super::graze::{THERE, moved};
 use super::holds::is_broken;
@@ -24,7 +25,7 @@ pub(in crate::analysis::periodic) const STAYS: [f64; 3] = [1e-3, 1e-4, 1e-5];
 /// A stay that takes less than this part of the period has come to its end.
 pub(in crate::analysis::periodic) const VANISHED: f64 = 1e-6;
 /// Between a crossing and the way back no time is left: less than this part of the period.
-const NO_TIME: f64 = 1e-2;
+pub(in crate::analysis::periodic::branch) const NO_TIME: f64 = 1e-2;
 
 /// Stays that vanish at once are as long as each other, but for this factor.
 const TOGETHER: f64 = 2.0;
@@ -225,7 +226,7 @@ impl Shooting<f64> {
     }
 
     /// The mode across a surface from where a step came to it, where it slides along it.
-    fn mode_across(&self, index: usize, guard: GuardKind) -> Option<usize> {
+    pub(super) fn mode_across(&self, index: usize, guard: GuardKind) -> Option<usize> {
         let GuardKind::Switch(surface) = guard else {
             return None;
         };
@@ -240,20 +241,51 @@ impl Shooting<f64> {
         Some(system.meet(grip, sides.with(surface, across)))
     }
 
-    /// Whether a step leads back to the surface that it has just crossed, to slide along it, and takes no time any more, but for rounding:
-    /// its equations have a second solution there, of no time at all.
-    pub(in crate::analysis::periodic) fn has_come_back(&self, at: &[f64], index: usize) -> bool {
+    /// Whether a step leads back to the surface that it has just crossed, to slide along it.
+    fn leads_back_onto(&self, index: usize) -> bool {
         let Some(guard @ GuardKind::Switch(surface)) = self.steps[index].ends_at() else {
             return false;
         };
         let next = &self.steps[self.after(index)];
-        let origin = self.workshop.system.origin_of(next.mode());
-        let slides = origin.is_some_and(|(_, sides, _)| sides.get(surface) == Side::Sliding);
+        self.slides_along(next, surface) && self.begins_at(index, guard)
+    }
+
+    /// Whether a step leads back to the surface that it has just crossed, to slide along it, and takes no time any more, but for rounding:
+    /// its equations have a second solution there, of no time at all.
+    pub(in crate::analysis::periodic) fn has_come_back(&self, at: &[f64], index: usize) -> bool {
+        self.comes_back_within(at, (index, VANISHED))
+    }
+
+    /// The same of one that takes no more than such a part of the period.
+    pub(in crate::analysis::periodic::branch) fn comes_back_within(
+        &self,
+        at: &[f64],
+        (index, part): (usize, f64),
+    ) -> bool {
         let place = self.duration_place(index);
         let duration = place.and_then(|place| at.get(place));
-        slides
-            && self.begins_at(index, guard)
-            && duration.is_some_and(|&duration| duration < VANISHED * self.period())
+        self.leads_back_onto(index)
+            && duration.is_some_and(|&duration| duration < part * self.period())
+    }
+
+    /// Of the steps that do so, and come to take no time along a curve, the shortest, if it takes no more than such a part of the period.
+    pub(in crate::analysis::periodic::branch) fn way_onto_that_shrinks(
+        &self,
+        station: &Station,
+        part: f64,
+    ) -> Option<usize> {
+        let shrinks = |index: &usize| {
+            let place = self.duration_place(*index);
+            place.is_some_and(|place| station.tangent[place] < 0.0)
+        };
+        let lasts = |index: usize| self.duration_place(index).map(|place| station.at[place]);
+        let within = |index: &usize| self.comes_back_within(&station.at, (*index, part));
+        let all = (0..self.steps.len()).filter(within).filter(shrinks);
+        all.min_by(|&a, &b| {
+            lasts(a)
+                .partial_cmp(&lasts(b))
+                .unwrap_or(core::cmp::Ordering::Equal)
+        })
     }
 
     /// The same of any step.
@@ -308,6 +340,9 @@ impl Shooting<f64> {
     ) -> Result<Touched, String> {
         let told = |error: PeriodicError| error.to_string();
         let guard = self.steps[index].ends_at().ok_or("a stay without end")?;
+        if let Some(touched) = self.without_stays(at, (index, guard)) {
+            return Ok(touched);
+        }
         let (shorter, at, index) = self.without_way_onto(at, index).map_err(told)?;
         let turn = shorter.with_turn_at_start(&at, (index, guard));
         let turn = turn.map_err(told)?;
@@ -317,6 +352,26 @@ impl Shooting<f64> {
             return Err("where a stay takes no time only another place is found".to_owned());
         }
         Ok(touched)
+    }
+
+    /// The same without another that is over as well, and where both take no time at all at once.
+    fn without_stays(&self, at: &[f64], (index, guard): (usize, GuardKind)) -> Option<Touched> {
+        let lasts = |index: usize| self.duration_place(index).map(|place| at[place]);
+        let most = TOGETHER * lasts(index)?;
+        let mut others = (0..self.steps.len()).filter(|&other| {
+            let as_long = lasts(other).is_some_and(|duration| duration <= most);
+            other != index && as_long && self.leads_back_onto(other)
+        });
+        let other = others.next().filter(|_| others.next().is_none())?;
+        let (first, last) = (index.min(other), index.max(other));
+        let (fewer, guess, _) = self.without_way_onto(at, last).ok()?;
+        let (fewer, guess, _) = fewer.without_way_onto(&guess, first).ok()?;
+        // The step after each is where it was, less those that have gone before it.
+        let slides = around(index - usize::from(other < index), 0, fewer.steps.len());
+        let turn = fewer.with_turn_at_start(&guess, (slides, guard)).ok()?;
+        Touched::solve_turn(turn)
+            .ok()
+            .filter(|touched| touched.together.is_some())
     }
 
     /// The same orbit with a stay of this duration at the surface that the end of a step touches, and where its duration stands among
@@ -472,12 +527,25 @@ pub(in crate::analysis::periodic::branch) struct Touched {
     pub correction: f64,
     /// Of the parameter.
     pub error: f64,
+    /// With the other one, where two come at once.
+    pub together: Option<Together>,
 }
 
 impl Touched {
     /// Its equations, their solution, and the step that ends at the touch.
     pub(in crate::analysis::periodic::branch) fn place(&self) -> (&Shooting<f64>, &[f64], usize) {
         (&self.shooting, &self.told, self.index)
+    }
+
+    /// The orbit there, beside a station.
+    pub(in crate::analysis::periodic::branch) fn point(&mut self, beside: &Station) -> Point {
+        let station = Station {
+            at: self.at.clone(),
+            residual: self.residual,
+            correction: self.correction,
+            ..beside.clone()
+        };
+        Point::new(&mut self.shooting, &station)
     }
 
     /// From a guess of where the event at the end of a step only touches.
@@ -494,6 +562,7 @@ impl Touched {
             residual: found.residual,
             correction: found.correction,
             error: found.error,
+            together: None,
         })
     }
 }
