@@ -48,6 +48,28 @@ fn a_ball_rests_on_a_table_up_to_where_it_is_thrown() {
     }
 }
 
+/// A flight that begins with no rate, after a plastic impact, is a flight: where it touches the wall an impact comes in. By SciPy: the orbit that
+/// leaves the wall at rest, comes back after 2 pi and touches it between.
+#[test]
+fn a_flight_from_a_plastic_impact_touches() {
+    let text = "[parameters]\nA = 1\n[flight]\nth = \"w\"\nw = \"-0.1*w - (1 + A*cos(2*t))*sin(th)\"\n[[contact]]\nname = \"wall\"\n\
+        gap = \"th + 0.3\"\nimpulse = { w = 1 }\nrestitution = 0\n[section.strobe]\nsurface = \"sin(2*t)\"\ndirection = \"rising\"\n\
+        [initial]\nth = 0.5\nw = 0.1\n";
+    for (start, step) in [("1.295", 0.2), ("1.305", 0.2), ("1.298", 0.05)] {
+        let branch = through(text, "A", (1.29, 1.31), (start, step));
+        let graze = branch
+            .special
+            .iter()
+            .find(|special| special.kind.is_graze());
+        let graze = graze.unwrap();
+        assert_eq!(graze.persists, Some(false));
+        assert!(
+            (value(graze) - 1.299_689_291_675_152_1).abs() < 1e-13,
+            "from {start}: {graze:?}"
+        );
+    }
+}
+
 /// A relay whose orbit, its own mirror image, begins to slide along the switching line at two places at once.
 #[test]
 fn a_relay_begins_to_slide_at_two_places_at_once() {
