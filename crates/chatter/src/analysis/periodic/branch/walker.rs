@@ -351,6 +351,7 @@ impl Walker {
         // Whatever else is said where nothing is left of the orbit.
         let end = match end {
             End::Lost(_) if self.has_shrunk(&curve.station) => self.shrunk(&curve.station),
+            End::Lost(_) => (self.shrinks_to(&curve.station)).map_or(end, End::Shrunk),
             end => end,
         };
         let end = ledger.close((&self.points, &self.special), end, diary);
