@@ -151,6 +151,10 @@ impl Walker {
                         }
                     }
                     walked.grazes += 1;
+                    if let Some(Stop::On) = self.flight_ends(None, &mut curve, &mut here) {
+                        at_graze = true;
+                        continue;
+                    }
                     if self.grazes_end(&mut curve, &mut here) {
                         at_graze = true;
                         continue;
@@ -200,6 +204,13 @@ impl Walker {
                     at_graze = true;
                     continue;
                 }
+            }
+            if self.shooting.flight_has_vanished()
+                && let Some(Stop::On) = self.flight_ends(Some((&next, step)), &mut curve, &mut here)
+            {
+                walked.grazes += 1;
+                at_graze = true;
+                continue;
             }
             // The landings of the last correction belong to a point that differs by less than its square; a hop that led nowhere has left
             // others.

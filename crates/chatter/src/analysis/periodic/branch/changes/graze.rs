@@ -79,6 +79,10 @@ impl Walker {
         {
             return Stop::End(end);
         }
+        if let Some(stop) = self.flight_ends(Some((&station, reached)), curve, here) {
+            return stop;
+        }
+        self.settle(&station);
         if let Broken::Passed(index) = broken {
             return self.exchange((curve, step, reached), (station, index), here);
         }
@@ -180,6 +184,11 @@ impl Walker {
             Broken::Early(index, guard) => {
                 self.meets_with_event(&station, (index, guard), &there);
                 Err(broken.told(&self.shooting))
+            }
+            Broken::Beyond(index, GuardKind::Reaction(contact))
+                if let Ok(next) = self.flies_from_rest(&station, (index, contact), &there) =>
+            {
+                Ok(next)
             }
             Broken::Beyond(index, guard) => {
                 let slides = matches!(guard, GuardKind::Leave(..));

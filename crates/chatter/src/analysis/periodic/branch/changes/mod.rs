@@ -2,6 +2,7 @@
 
 pub(super) mod corner;
 pub(super) mod events;
+mod from_rest;
 pub(super) mod graze;
 pub(super) mod holds;
 pub(super) mod opening;
