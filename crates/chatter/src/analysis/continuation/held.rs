@@ -26,7 +26,8 @@ pub struct Singular<R> {
 #[derive(Clone, Debug)]
 enum Condition<R> {
     Singular(Singular<R>),
-    Monitor(usize),
+    /// A function of the problem, less a number.
+    Monitor(usize, R),
 }
 
 /// A problem and a condition.
@@ -227,9 +228,14 @@ impl<'p, R: Real, P: Problem<R> + ?Sized> Held<'p, R, P> {
 
     /// Where a function of the problem vanishes.
     pub fn monitor(problem: &'p mut P, index: usize) -> Self {
+        Self::level(problem, index, R::ZERO)
+    }
+
+    /// Where a function of the problem has a value.
+    pub fn level(problem: &'p mut P, index: usize, level: R) -> Self {
         Self {
             problem,
-            condition: Condition::Monitor(index),
+            condition: Condition::Monitor(index, level),
         }
     }
 }
@@ -251,7 +257,10 @@ impl<R: Real, P: Problem<R> + ?Sized> Problem<R> for Held<'_, R, P> {
         let inner = self.problem.evaluate(at)?;
         let (value, gradient) = match &self.condition {
             Condition::Singular(singular) => singular.value(self.problem, at, &inner)?,
-            Condition::Monitor(index) => self.problem.monitor(*index, at)?,
+            Condition::Monitor(index, level) => {
+                let (value, gradient) = self.problem.monitor(*index, at)?;
+                (value - *level, gradient)
+            }
         };
         let jacobian = inner.bordered([&*gradient]);
         let mut residual = inner.residual;

@@ -18,6 +18,8 @@ pub(crate) enum Bordered {
     /// The borders of the singular matrix.
     Singular(Singular<f64>),
     Monitor(usize),
+    /// A function of the orbit has this value.
+    Level(usize, f64),
 }
 
 impl Condition {
@@ -51,7 +53,7 @@ impl Bordered {
     pub(crate) fn numbers(&self) -> Vec<f64> {
         match self {
             Self::Singular(singular) => singular.borders(),
-            Self::Monitor(_) => Vec::new(),
+            Self::Monitor(_) | Self::Level(..) => Vec::new(),
         }
     }
 
@@ -60,6 +62,7 @@ impl Bordered {
         match self {
             Self::Singular(borders) => Held::singular(shooting, borders.clone()),
             Self::Monitor(index) => Held::monitor(shooting, *index),
+            Self::Level(index, level) => Held::level(shooting, *index, *level),
         }
     }
 }

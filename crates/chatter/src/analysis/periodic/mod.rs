@@ -48,7 +48,8 @@ mod special_curve;
 mod survey;
 
 pub use branch::{
-    Branch, End, Growth, Law, Limits, Point, Record, Saddle, Special, SpecialKind, Unbounded,
+    Branch, End, Growth, Law, Limits, Point, Record, Saddle, Shrunk, Special, SpecialKind,
+    Unbounded,
 };
 pub use cycle::settle::Patience;
 pub use diary::Told;

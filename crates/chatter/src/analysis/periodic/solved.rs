@@ -113,6 +113,9 @@ fn left_of(
     let here = fine.evaluate(at).ok()?;
     let condition = match bordered {
         Bordered::Monitor(index) => fine.monitor(*index, at).ok()?.0,
+        Bordered::Level(index, level) => {
+            fine.monitor(*index, at).ok()?.0 - DoubleDouble::from(*level)
+        }
         Bordered::Singular(singular) => {
             let borders = longer(&singular.borders());
             Singular::with_borders(singular.sign(), &borders).defect(&fine.wrap(), &here)?

@@ -1,6 +1,6 @@
 //! Within what branches are followed, and how they end.
 
-use super::{Growth, Saddle, SpecialKind, Unbounded};
+use super::{Growth, Saddle, Shrunk, SpecialKind, Unbounded};
 use crate::analysis::continuation::{Problem, Settings, Station, locate};
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +30,8 @@ pub enum End {
     Growth(Growth),
     /// The orbit shrinks to an equilibrium.
     Equilibrium,
+    /// The orbit shrinks to an equilibrium on a wall or on a surface, at a value of the parameter.
+    Shrunk(Shrunk),
     /// No such points lie beyond a point of this kind.
     At(SpecialKind),
     /// From a point of this kind on the orbit goes more than once around another one, whose branch it has met.
@@ -61,6 +63,7 @@ impl core::fmt::Display for End {
             Self::Unbounded(unbounded) => unbounded.fmt(out),
             Self::Growth(growth) => growth.fmt(out),
             Self::Equilibrium => write!(out, "the orbit shrinks to an equilibrium"),
+            Self::Shrunk(shrunk) => shrunk.fmt(out),
             Self::At(kind) => out.write_str(&kind.name().replace('_', " ")),
             Self::Again(kind) => write!(
                 out,

@@ -46,6 +46,7 @@ mod walker;
 
 pub use ends::growth::Growth;
 pub use ends::saddle::Saddle;
+pub use ends::shrunk::Shrunk;
 pub use ends::unbounded::{Law, Unbounded};
 pub use kept::Record;
 pub use limits::{End, Limits};

@@ -152,6 +152,10 @@ impl Walker {
                         }
                     }
                     walked.grazes += 1;
+                    if let Some(Stop::On) = self.flight_ends(None, &mut curve, &mut here) {
+                        at_graze = true;
+                        continue;
+                    }
                     if self.grazes_end(&mut curve, &mut here) {
                         at_graze = true;
                         continue;
@@ -212,6 +216,13 @@ impl Walker {
                 .way_onto_that_shrinks(&next, STAYS[1])
                 .is_some()
                 && self.past_stay(&next, &mut curve, &mut here)
+            {
+                walked.grazes += 1;
+                at_graze = true;
+                continue;
+            }
+            if self.shooting.flight_has_vanished()
+                && let Some(Stop::On) = self.flight_ends(Some((&next, step)), &mut curve, &mut here)
             {
                 walked.grazes += 1;
                 at_graze = true;
@@ -367,6 +378,7 @@ impl Walker {
         // Whatever else is said where nothing is left of the orbit.
         let end = match end {
             End::Lost(_) if self.has_shrunk(&curve.station) => self.shrunk(&curve.station),
+            End::Lost(_) => (self.shrinks_to(&curve.station)).map_or(end, End::Shrunk),
             end => end,
         };
         let end = ledger.close((&self.points, &self.special), end, diary);

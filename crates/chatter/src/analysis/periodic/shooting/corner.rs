@@ -12,19 +12,21 @@ use crate::flow::{Grip, GuardKind, Settings, System};
 use crate::numerics::Real;
 use std::sync::Arc;
 
-/// The end of a leg, seen from a corner.
+/// The end of a leg, seen from a corner, or its beginning, seen from what ends it.
 #[derive(Clone, Debug)]
 pub(super) struct Watched<R: Real> {
     step: usize,
+    /// Whether where the step begins, and not at its end.
+    at_start: bool,
     guard: GuardKind,
     leg: Arc<Leg>,
     flyer: Flyer<R>,
 }
 
 impl<R: Real> Watched<R> {
-    /// The step at whose end it is watched, and the guard that vanishes there.
-    pub(super) fn place(&self) -> (usize, GuardKind) {
-        (self.step, self.guard)
+    /// The step at whose end it is watched, or its beginning, and the guard that vanishes there.
+    pub(super) fn place(&self) -> ((usize, bool), GuardKind) {
+        ((self.step, self.at_start), self.guard)
     }
 }
 
@@ -115,6 +117,23 @@ impl<R: Real> Shooting<R> {
         step: usize,
         guard: GuardKind,
     ) -> Result<(), PeriodicError> {
+        self.watch((step, false), guard)
+    }
+
+    /// Watches how far a step that begins is from what would end it.
+    pub(crate) fn watch_start(
+        &mut self,
+        step: usize,
+        guard: GuardKind,
+    ) -> Result<(), PeriodicError> {
+        self.watch((step, true), guard)
+    }
+
+    pub(super) fn watch(
+        &mut self,
+        (step, at_start): (usize, bool),
+        guard: GuardKind,
+    ) -> Result<(), PeriodicError> {
         let unknown = || PeriodicError::Unfollowed {
             what: "a corner that no event asks for".to_owned(),
         };
@@ -129,6 +148,7 @@ impl<R: Real> Shooting<R> {
         let flyer = leg.flyer(&Settings::default());
         self.corner = Some(Watched {
             step,
+            at_start,
             guard,
             leg,
             flyer,
@@ -147,20 +167,30 @@ impl<R: Real> Shooting<R> {
 
     fn flown_to(&self, watched: &mut Watched<R>, at: &[R]) -> Result<(R, Vec<R>), Left> {
         let Watched {
-            step, leg, flyer, ..
+            step,
+            at_start,
+            leg,
+            flyer,
+            ..
         } = watched;
         let place = self.duration_place(*step);
         let place = place.ok_or_else(|| Left::because("a corner at the end of no leg"))?;
         let parameters = self.workshop.parameters(self.free(at));
         let all = self.parameters_of(&parameters, &self.steps[*step]);
-        let landing = leg.fly(flyer, &all, self.node(at, *step), at[place]);
+        let node = self.node(at, *step);
+        let landing = match at_start {
+            true => leg.fly_a_moment(flyer, &all, node, R::ZERO),
+            false => leg.fly(flyer, &all, node, at[place]),
+        };
         let landing = landing.map_err(Left::because)?;
         let (n, free) = (self.workshop.model.states.len(), self.workshop.free.len());
         let mut gradient = vec![R::ZERO; at.len()];
         let node = self.places[*step];
         gradient[node..node + n].copy_from_slice(&landing.surface_slopes[..n]);
         gradient[at.len() - free..].copy_from_slice(&landing.surface_slopes[n..]);
-        gradient[place] = landing.surface_rate;
+        if !*at_start {
+            gradient[place] = landing.surface_rate;
+        }
         Ok((landing.surface, gradient))
     }
 }

@@ -597,8 +597,8 @@ impl Shooting<f64> {
         let mut fine = Shooting::<DoubleDouble>::new(&self.workshop, steps, counts)?;
         fine.told_node = self.told_node;
         fine.stands_for_section = self.stands_for_section;
-        if let Some((step, guard)) = self.corner.as_ref().map(corner::Watched::place) {
-            fine.watch_corner(step, guard)?;
+        if let Some((place, guard)) = self.corner.as_ref().map(corner::Watched::place) {
+            fine.watch(place, guard)?;
         }
         // Where the solution is zero but for rounding, its own size is none.
         for (size, before) in fine.scales.iter_mut().zip(&self.scales) {

@@ -6,6 +6,7 @@ mod families;
 mod monitors;
 mod rest_begins;
 mod resumed;
+mod shrinking;
 mod stations;
 mod steps;
 mod sticks_together;

@@ -48,6 +48,61 @@ fn a_ball_rests_on_a_table_up_to_where_it_is_thrown() {
     }
 }
 
+/// A flight that begins with no rate, after a plastic impact, is a flight: where it touches the wall an impact comes in. By SciPy: the orbit that
+/// leaves the wall at rest, comes back after 2 pi and touches it between.
+#[test]
+fn a_flight_from_a_plastic_impact_touches() {
+    let text = "[parameters]\nA = 1\n[flight]\nth = \"w\"\nw = \"-0.1*w - (1 + A*cos(2*t))*sin(th)\"\n[[contact]]\nname = \"wall\"\n\
+        gap = \"th + 0.3\"\nimpulse = { w = 1 }\nrestitution = 0\n[section.strobe]\nsurface = \"sin(2*t)\"\ndirection = \"rising\"\n\
+        [initial]\nth = 0.5\nw = 0.1\n";
+    for (start, step) in [("1.295", 0.2), ("1.305", 0.2), ("1.298", 0.05)] {
+        let branch = through(text, "A", (1.29, 1.31), (start, step));
+        let graze = branch
+            .special
+            .iter()
+            .find(|special| special.kind.is_graze());
+        let graze = graze.unwrap();
+        assert_eq!(graze.persists, Some(false));
+        assert!(
+            (value(graze) - 1.299_689_291_675_152_1).abs() < 1e-13,
+            "from {start}: {graze:?}"
+        );
+    }
+}
+
+/// What a plastic impact leaves flies on for a while and lands again, or rests at once: the flight comes to nothing where the force of that rest
+/// vanishes as it begins. For an oscillator in closed form: A cos(omega t) = -1/2 at the release, where the flight to the impact begins, and again
+/// where that ends. For two masses by an integration with 24 digits: the orbit on which the coupling is without a force at the impact and the release.
+#[test]
+fn a_flight_from_rest_comes_to_nothing() {
+    let oscillator = "[parameters]\nA = 1\n[flight]\nx = \"v\"\nv = \"A*cos(0.8*t) - 0.1*v - x\"\n[[contact]]\nname = \"wall\"\n\
+        gap = \"x + 0.5\"\nimpulse = { v = 1 }\nrestitution = 0\n[section.strobe]\nsurface = \"sin(0.8*t)\"\ndirection = \"rising\"\n\
+        [initial]\nx = 0.5\nv = 0.1\n";
+    let masses = "[parameters]\nA = 1\n[flight]\nx = \"v\"\nv = \"2*(y - x) - 0.1*v - x\"\ny = \"u\"\n\
+        u = \"A*cos(0.6*t) - 0.1*u - 2*(y - x)\"\n[[contact]]\nname = \"stop\"\ngap = \"x + 0.1\"\nimpulse = { v = 1 }\n\
+        restitution = 0\n[section.strobe]\nsurface = \"sin(0.6*t)\"\ndirection = \"rising\"\n[initial]\nx = 0.5\nv = 0.1\ny = 0\nu = 0\n";
+    let (of_one, of_two) = (0.581_724_245_189_851_4, 0.054_693_446_014_842_54);
+    for (text, range, start, step, exact) in [
+        (oscillator, (0.55, 0.7), "0.57", 0.02, of_one),
+        (oscillator, (0.55, 0.7), "0.57", 0.2, of_one),
+        (oscillator, (0.55, 0.7), "0.6", 0.02, of_one),
+        (oscillator, (0.55, 0.7), "0.65", 0.2, of_one),
+        (masses, (0.045, 0.07), "0.05", 0.1, of_two),
+        (masses, (0.045, 0.07), "0.06", 0.03, of_two),
+    ] {
+        let branch = through(text, "A", range, (start, step));
+        let [touch] = &branch.special[..] else {
+            panic!("from {start} by {step}: {:?}", branch.special);
+        };
+        assert_eq!(
+            (touch.kind, touch.persists),
+            (SpecialKind::Touch, Some(true))
+        );
+        let off = (value(touch) - exact).abs();
+        assert!(off <= touch.error && touch.error < 1e-14, "{touch:?}");
+    }
+}
+
 /// A relay whose orbit, its own mirror image, begins to slide along the switching line at two places at once.
 #[test]
 fn a_relay_begins_to_slide_at_two_places_at_once() {

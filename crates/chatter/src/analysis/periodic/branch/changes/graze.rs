@@ -28,8 +28,6 @@ pub(in crate::analysis::periodic::branch) const THERE: f64 = 1e-3;
 const SOLVED: f64 = 1e-12;
 /// A part of a direction that is less than this is rounding.
 const FLAT: f64 = 1e-6;
-/// A rate is none if it is this part of the fastest with which anything is met.
-const NO_RATE: f64 = 1e-12;
 /// Where a new sequence begins its steps, against those before.
 const CAREFUL: f64 = 0.05;
 
@@ -92,6 +90,10 @@ impl Walker {
         {
             return stop;
         }
+        if let Some(stop) = self.flight_ends(Some((&station, reached)), curve, here) {
+            return stop;
+        }
+        self.settle(&station);
         if let Broken::Passed(index) = broken {
             return self.exchange((curve, step, reached), (station, index), here);
         }
@@ -135,7 +137,9 @@ impl Walker {
             // An impact that leaves no rate is followed by a stay where the acceleration leads nowhere, and not by a flight.
             return match broken {
                 Broken::Inner(index, GuardKind::Gap(contact))
-                    if self.begins_at_rest(&station, (index, contact)) =>
+                    if self
+                        .shooting
+                        .is_plastic((self.shooting.before(index), contact)) =>
                 {
                     Stop::Broken(as_rounding, Box::new(station))
                 }
@@ -201,6 +205,11 @@ impl Walker {
                 if let Some(touched) = self.sticks_just_hold(&station, (index, guard)) =>
             {
                 self.slips_come_in(touched, &there)
+            }
+            Broken::Beyond(index, GuardKind::Reaction(contact))
+                if let Ok(next) = self.flies_from_rest(&station, (index, contact), &there) =>
+            {
+                Ok(next)
             }
             Broken::Beyond(index, guard) => {
                 let slides = matches!(guard, GuardKind::Leave(..));
@@ -423,19 +432,14 @@ impl Walker {
         let (Some(touch), true) = (touch, follows) else {
             return true;
         };
-        let (rate, terms) = self.shooting.gap_rate(&station.at, (index, contact));
-        // From zero with this rate, and back to where both vanish: a cubic.
-        let height = 4.0 / 27.0 * (rate * touch.time).abs();
+        let place = (index, contact);
+        let (rate, terms) = self.shooting.gap_rate(&station.at, place);
+        // From zero with this rate, and back to where both vanish: a cubic; a quartic from where a plastic impact leaves no rate.
+        let height = match self.shooting.is_plastic((before, contact)) {
+            true => self.shooting.gap_acceleration(&station.at, place) * touch.time.powi(2) / 32.0,
+            false => 4.0 / 27.0 * (rate * touch.time).abs(),
+        };
         is_told(height, terms, roundoffs)
-    }
-
-    /// Whether a gap has no rate where a step begins.
-    fn begins_at_rest(&self, station: &Station, (index, contact): (usize, usize)) -> bool {
-        let (rate, _) = self.shooting.gap_rate(&station.at, (index, contact));
-        let fastest = (self.shooting.latest.iter())
-            .map(|landing| landing.surface_rate.abs())
-            .fold(0.0, f64::max);
-        rate.abs() <= NO_RATE * fastest
     }
 
     /// Whether the flight before an impact, if it begins with a release of the same contact, can be told from rounding of the gap.

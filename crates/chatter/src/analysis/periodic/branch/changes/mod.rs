@@ -4,6 +4,7 @@ pub(super) mod coincidence;
 pub(super) mod corner;
 mod cut_short;
 pub(super) mod events;
+mod from_rest;
 pub(super) mod graze;
 pub(super) mod holds;
 pub(super) mod opening;

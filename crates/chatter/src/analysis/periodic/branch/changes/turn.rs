@@ -15,6 +15,8 @@ use crate::numerics::Real;
 
 /// This part of a leg before its end is its end.
 const NOT_QUITE: f64 = 1e-5;
+/// A plastic impact leaves no more than this part of what changes the rate before it: the rest is rounding.
+const PLASTIC: f64 = 1e-12;
 /// A gap turns where its rate would change it by no more than this part of its size on the leg.
 const NO_RATE: f64 = 1e-6;
 
@@ -147,6 +149,40 @@ impl Shooting<f64> {
             terms += (slope * start[state]).abs();
         }
         (rate, terms)
+    }
+
+    /// The acceleration of a contact's gap where a step begins, in flight.
+    pub(super) fn gap_acceleration(&self, at: &[f64], (index, contact): (usize, usize)) -> f64 {
+        let model = &self.workshop.model;
+        let mut graph = model.graph.clone();
+        let field = model.field();
+        let rate = graph.lie_derivative(model.contacts[contact].gap, &field);
+        let acceleration = graph.lie_derivative(rate, &field);
+        let parameters = self.workshop.parameters(self.free(at));
+        graph.evaluate(acceleration, self.node(at, index), &parameters)
+    }
+
+    /// Whether the impact at the end of a step is plastic: whatever rate comes, none is left. An impact that comes to nothing has none left, either;
+    /// but a little later its rate is another, dv = a dt, and it leaves -r of that.
+    pub(super) fn is_plastic(&self, (index, contact): (usize, usize)) -> bool {
+        let (Some(landing), Some(parameters)) = (self.latest.get(index), self.latest_parameters())
+        else {
+            return false;
+        };
+        if self.steps[index].impact() != Some(contact) {
+            return false;
+        }
+        let model = &self.workshop.model;
+        let mut graph = model.graph.clone();
+        let rate = graph.lie_derivative(model.contacts[contact].gap, &model.field());
+        let (mut left, mut terms) = (0.0, landing.surface_acceleration.abs());
+        for (state, by) in landing.image_rate.iter().enumerate() {
+            let slope = graph.derivative(rate, Symbol::State(state));
+            let part = by * graph.evaluate(slope, &landing.image, &parameters);
+            left += part;
+            terms += part.abs();
+        }
+        left.abs() <= PLASTIC * terms
     }
 }
 

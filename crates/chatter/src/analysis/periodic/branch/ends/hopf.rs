@@ -155,17 +155,21 @@ impl Walker {
         Some(End::Equilibrium)
     }
 
-    /// How the branch ends where, on the way to the next station, what is no impact breaks the sequence of events since nothing is left of the
-    /// orbit: its equilibrium lies on the surface of that. Nothing where something is left, as where a surface just beside is crossed no more.
+    /// How the branch ends where, on the way to the next station, an event breaks the sequence since nothing is left of the orbit: its equilibrium
+    /// lies on the surface of that. Nothing where something is left, as where a surface just beside is crossed no more.
     pub(in crate::analysis::periodic::branch) fn shrinks(
         &mut self,
         from: &Station,
         (touch, ahead): (&Station, f64),
         (index, here): (usize, &Point),
     ) -> Option<End> {
-        let hits = self.shooting.steps[index].impact().is_some();
-        if hits || !self.comes_to_stand(from, touch, index) || !self.has_shrunk(touch) {
+        if !self.comes_to_stand(from, touch, index) || !self.has_shrunk(touch) {
             return None;
+        }
+        if self.shooting.steps[index].impact().is_some() {
+            let shrunk = self.shrinks_to(from)?;
+            let end = self.approaches(from, (touch, ahead), here);
+            return Some(end.unwrap_or(End::Shrunk(shrunk)));
         }
         let hopf = self.hopf_beside(touch, index);
         if let Some(end) = self.approaches(from, (touch, ahead), here) {
@@ -174,7 +178,7 @@ impl Walker {
         self.settle(touch);
         let Some(hopf) = hopf else {
             let met = self.meets_rest(touch, index);
-            return Some(met.unwrap_or(End::Equilibrium));
+            return Some(met.unwrap_or_else(|| self.shrinks_or_has_shrunk(from)));
         };
         self.note_hopf(touch, hopf);
         Some(End::Equilibrium)
@@ -190,10 +194,18 @@ impl Walker {
             true => None,
             false => self.hopf_beside(station, 0).filter(is_here),
         };
-        if let Some(hopf) = hopf {
-            self.note_hopf(station, hopf);
+        match hopf {
+            Some(hopf) => {
+                self.note_hopf(station, hopf);
+                End::Equilibrium
+            }
+            None => self.shrinks_or_has_shrunk(station),
         }
-        End::Equilibrium
+    }
+
+    /// The end at an equilibrium that is no Hopf point, with its value if that can be told from a station.
+    fn shrinks_or_has_shrunk(&mut self, station: &Station) -> End {
+        (self.shrinks_to(station)).map_or(End::Equilibrium, End::Shrunk)
     }
 
     /// The way to where an orbit has shrunk to nothing, or is told no more: whether something ends the branch on it.

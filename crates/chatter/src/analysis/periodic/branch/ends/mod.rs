@@ -7,4 +7,5 @@ pub(super) mod growth;
 pub(super) mod hopf;
 pub(super) mod returns;
 pub(super) mod saddle;
+pub(super) mod shrunk;
 pub(super) mod unbounded;
