@@ -16,6 +16,9 @@ use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, Least, LegKind};
 use crate::numerics::{Real, unit};
 
+/// What a stick brings about in a period is nothing if it is less than this part of what would be without it.
+const STANDS: f64 = 1e-9;
+
 impl<R: Real> Shooting<R> {
     /// The surface that a step slides along since the event before it, where its own event is a jump and no end of that.
     pub(in crate::analysis::periodic) fn cut_short(&self, index: usize) -> Option<usize> {
@@ -145,6 +148,7 @@ impl Walker {
         here: &mut Point,
     ) -> Option<Stop> {
         self.settle(station);
+        let changes = self.shooting.latest.get(index)?.surface_acceleration;
         let forward = self.heading_known(station);
         let there = Point::new(&mut self.shooting, station);
         let (mut longer, guess, held) =
@@ -169,6 +173,11 @@ impl Walker {
             orientation: 0.0,
         };
         longer.evaluate(&next.at).ok()?;
+        // A stick does not come to a wall whose rate it holds at zero: that is a graze.
+        let rate = longer.latest.get(held)?.surface_rate;
+        if rate.abs() <= STANDS * (changes * longer.period()).abs() {
+            return None;
+        }
         let sticks = longer.least(&next.at).ok()?;
         let leaves = |least: &Least| {
             matches!(least.guard, GuardKind::Leave(of, _) if of == surface) && least.value < 0.0
