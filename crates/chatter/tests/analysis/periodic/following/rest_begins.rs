@@ -128,3 +128,24 @@ fn a_relay_begins_to_slide_at_two_places_at_once() {
     }
     assert_eq!(branches[0].len(), 4, "{branches:?}");
 }
+
+/// The guide of a cam's follower rubs it. At the top friction turns, and the force on the cam jumps by 2 f down, to 2 k e + P - f - e omega^2, which
+/// vanishes at the square root of 77: beyond, the follower lifts off just there.
+#[test]
+fn a_contact_opens_just_where_friction_turns() {
+    let text = "[parameters]\nom = 8.5\n[flight]\nx = \"v\"\nv = \"-20*x - 20 - 1.5*sign(v)\"\n[[contact]]\nname = \"cam\"\n\
+        gap = \"x - 0.5*(1 - cos(om*t))\"\nimpulse = { v = 1 }\nrestitution = 0.4\n[section.s]\nsurface = \"sin(om*t)\"\ndirection = \"rising\"\n\
+        [initial]\nx = 2\nv = 0\n";
+    for (start, step) in [("8.5", 0.02), ("8.5", 0.1), ("8.9", 0.02), ("8.9", 0.1)] {
+        let branch = through(text, "om", (8.4, 9.0), (start, step));
+        let [touch] = &branch.special[..] else {
+            panic!("from {start}: {:?}", branch.special);
+        };
+        assert_eq!(touch.kind, SpecialKind::Touch);
+        assert!(
+            (value(touch) - 77.0_f64.sqrt()).abs() <= touch.error,
+            "{touch:?}"
+        );
+        assert!(touch.error < 1e-13, "{touch:?}");
+    }
+}

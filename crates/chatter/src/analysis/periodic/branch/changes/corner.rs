@@ -30,6 +30,11 @@ impl Shooting<f64> {
     ) -> Result<Solved, String> {
         let known = self.watch_corner(index, guard);
         known.map_err(|error| error.to_string())?;
+        self.at_watched(start)
+    }
+
+    /// Where what is watched vanishes.
+    pub(super) fn at_watched(&mut self, start: &[f64]) -> Result<Solved, String> {
         let function = self.corner_function();
         let found = self.solved(&Bordered::Monitor(function), start);
         let found = found.map_err(|error| error.to_string())?;

@@ -52,7 +52,7 @@ impl Shooting<f64> {
     }
 
     /// Whether a contact is closed all along a step.
-    fn holds(&self, index: usize, contact: usize) -> bool {
+    pub(super) fn holds(&self, index: usize, contact: usize) -> bool {
         let origin = self.workshop.system.origin_of(self.steps[index].mode());
         origin.is_some_and(|(grip, ..)| grip.closed.contains(contact))
     }

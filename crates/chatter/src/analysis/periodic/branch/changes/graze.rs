@@ -197,6 +197,9 @@ impl Walker {
             Broken::Early(index, GuardKind::Leave(..)) if self.shooting.stops(index) => {
                 Err(broken.told(&self.shooting))
             }
+            Broken::Early(index, GuardKind::Reaction(contact)) => {
+                self.opens_at_event(&station, (index, contact), &there)
+            }
             Broken::Early(index, guard) => {
                 self.meets_with_event(&station, (index, guard), &there);
                 Err(broken.told(&self.shooting))

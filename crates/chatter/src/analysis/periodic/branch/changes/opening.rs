@@ -2,15 +2,18 @@
 
 use super::touch::Touched;
 use crate::analysis::continuation::{Curve, Problem, Station};
-use crate::analysis::periodic::branch::Point;
 use crate::analysis::periodic::branch::limits::End;
 use crate::analysis::periodic::branch::onward::{CAREFUL, Wanted, touch_between};
 use crate::analysis::periodic::branch::walker::{Stop, Walker};
+use crate::analysis::periodic::branch::{Point, SpecialKind};
 use crate::analysis::periodic::orbit::Orbit;
+use crate::analysis::periodic::shooting::Shooting;
+use crate::analysis::periodic::solved::Solved;
 use crate::flow::GuardKind;
 use crate::flow::leg::Least;
 
-/// A branch whose steps have come to nothing is this near to what it has come to, in parts of the longest one.
+/// A branch whose steps have come to nothing is this near to what it has come to, in parts of the longest one, or where nothing but rounding is left
+/// of its chatter, in parts of the range.
 const THERE: f64 = 1e-6;
 
 impl Walker {
@@ -33,6 +36,34 @@ impl Walker {
         there: &Point,
     ) -> Result<Station, String> {
         self.note_touch(there, touched);
+        self.goes_on_open(station, there)
+    }
+
+    /// The same where that force vanishes just where a step begins or ends, as where friction turns.
+    pub(super) fn opens_at_event(
+        &mut self,
+        station: &Station,
+        (index, contact): (usize, usize),
+        there: &Point,
+    ) -> Result<Station, String> {
+        self.settle(station);
+        let met = force_at_event(&mut self.shooting.clone(), &station.at, (index, contact))?;
+        self.note_open(there, &met);
+        self.goes_on_open(station, there)
+    }
+
+    fn note_open(&mut self, there: &Point, met: &Solved) {
+        self.note(
+            SpecialKind::Touch,
+            there,
+            &met.told,
+            met.error,
+            met.residual,
+        );
+    }
+
+    /// The orbit beyond, which opens for a while.
+    fn goes_on_open(&mut self, station: &Station, there: &Point) -> Result<Station, String> {
         let accumulations = self.shooting.accumulations();
         let opens = |orbit: &Orbit| {
             orbit.impacts != there.impacts || orbit.shooting.accumulations() > accumulations
@@ -87,11 +118,14 @@ impl Walker {
             infinite: None,
             is_it: another,
         };
-        // From where the contact is released, and beyond is not.
-        let releases = self.shooting.steps.iter().enumerate();
-        let released = releases.filter_map(|(index, step)| match step.ends_at() {
-            Some(GuardKind::Reaction(contact)) => Some((index, contact)),
-            _ => None,
+        // From where the contact is released, if only by the corner at the end of a step, and beyond is not.
+        let contacts = self.shooting.workshop.model.contacts.len();
+        let released = (0..self.shooting.steps.len()).filter_map(|index| {
+            let next = self.shooting.after(index);
+            let opens = |&contact: &usize| {
+                self.shooting.holds(index, contact) && !self.shooting.holds(next, contact)
+            };
+            Some((index, (0..contacts).find(opens)?))
         });
         let released: Vec<(usize, usize)> = released.collect();
         let resting = released.iter().find_map(|&(index, contact)| {
@@ -106,14 +140,81 @@ impl Walker {
         };
         let between = [curve.station.parameter(), next.parameter()];
         let is_force = |guard| matches!(guard, GuardKind::Reaction(_));
-        let Some(touched) = touch_between(&mut self.shooting, &next.at, between, is_force) else {
-            self.shooting = before;
-            return false;
-        };
+        let touched = touch_between(&mut self.shooting, &next.at, between, is_force);
         // Told of the orbit that stays.
         let resting = Point::new(&mut self.shooting, &next);
-        self.note_passed_touch(&resting, touched);
+        match touched {
+            Some(touched) => self.note_passed_touch(&resting, touched),
+            None => {
+                let met = least_force_at_events(&mut self.shooting, &next.at, between);
+                let Some(met) = met else {
+                    self.shooting = before;
+                    return false;
+                };
+                self.settle(&next);
+                self.note_open(&resting, &met);
+                if let Some(special) = self.special.last_mut() {
+                    special.persists = Some(true);
+                }
+            }
+        }
         self.begins_anew((next, CAREFUL * self.limits.longest_step), curve, here);
         true
     }
+}
+
+/// Where the force of a contact at rest vanishes at one of the ends of a step: at the one where it is less.
+fn force_at_event(
+    shooting: &mut Shooting<f64>,
+    at: &[f64],
+    place: (usize, usize),
+) -> Result<Solved, String> {
+    let forces = [true, false].map(|starts| force_at_end(shooting, at, (place, starts)));
+    let starts = match forces {
+        [Some(first), Some(last)] => first.abs() < last.abs(),
+        [first, _] => first.is_some(),
+    };
+    force_at_end(shooting, at, (place, starts)).ok_or("a contact without a force")?;
+    shooting.at_watched(at)
+}
+
+/// The force of a contact where a step starts, or ends, which is watched from there on.
+fn force_at_end(
+    shooting: &mut Shooting<f64>,
+    at: &[f64],
+    ((index, contact), starts): ((usize, usize), bool),
+) -> Option<f64> {
+    if !shooting.holds(index, contact) {
+        return None;
+    }
+    let guard = GuardKind::Reaction(contact);
+    let known = match starts {
+        true => shooting.watch_start(index, guard),
+        false => shooting.watch_corner(index, guard),
+    };
+    known.ok()?;
+    let (force, _) = shooting.monitor(shooting.corner_function(), at).ok()?;
+    Some(force)
+}
+
+/// The same of the contact and the step where that is least, if it vanishes between two values of the parameter.
+fn least_force_at_events(
+    shooting: &mut Shooting<f64>,
+    at: &[f64],
+    between: [f64; 2],
+) -> Option<Solved> {
+    let contacts = shooting.workshop.model.contacts.len();
+    let places = (0..shooting.steps.len())
+        .flat_map(|index| (0..contacts).map(move |contact| (index, contact)));
+    let forces = places.flat_map(|place| [(place, true), (place, false)]);
+    let known = forces.filter_map(|end| Some((end, force_at_end(shooting, at, end)?.abs())));
+    let (least, _) = known.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    force_at_end(shooting, at, least)?;
+    let met = shooting.at_watched(at).ok()?;
+    let (low, high) = (between[0].min(between[1]), between[0].max(between[1]));
+    // The chatter of the orbits before has come to nothing in rounding, which their parameter is known to.
+    let scale = shooting.scales().last().copied()?;
+    let off = (high - low).max(met.error).max(THERE * scale);
+    let value = met.told.last().copied()?;
+    (low - off..=high + off).contains(&value).then_some(met)
 }
