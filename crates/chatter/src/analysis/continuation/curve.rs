@@ -1,6 +1,6 @@
 //! Stations along a solution curve, by pseudo-arclength.
 
-use super::newton::{Condition, NewtonError, newton};
+use super::newton::{Condition, Corrected, NewtonError, newton};
 use super::problem::Problem;
 use crate::numerics::{Factored, Real, dot, moved, unit};
 
@@ -116,6 +116,17 @@ fn ahead<R: Real>(station: &Station<R>, step: f64, scales: &[f64]) -> Condition<
 }
 
 impl<R: Real> Station<R> {
+    /// Where a curve begins, in this direction: whether it turns is not known yet.
+    pub fn beginning(found: Corrected<R>, tangent: Vec<R>) -> Self {
+        Self {
+            tangent,
+            at: found.at,
+            residual: found.residual,
+            correction: found.correction,
+            orientation: 0.0,
+        }
+    }
+
     /// A point of the curve near `start` at which one unknown has its value; the tangent lets the parameter grow.
     ///
     /// # Errors

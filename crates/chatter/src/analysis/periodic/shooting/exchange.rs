@@ -386,13 +386,7 @@ pub(crate) fn station_after(
     if grows.is_some_and(|place| along[place] < 0.0) {
         along.iter_mut().for_each(|x| *x = -*x);
     }
-    Ok(Station {
-        tangent: along,
-        at: found.at,
-        residual: found.residual,
-        correction: found.correction,
-        orientation: 0.0,
-    })
+    Ok(Station::beginning(found, along))
 }
 
 fn unfollowed() -> PeriodicError {

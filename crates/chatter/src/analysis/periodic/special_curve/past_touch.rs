@@ -113,13 +113,7 @@ impl Follower {
                 condition,
                 grazing,
                 bordered,
-                station: Station {
-                    tangent: along,
-                    at: found.at,
-                    residual: found.residual,
-                    correction: found.correction,
-                    orientation: 0.0,
-                },
+                station: Station::beginning(found, along),
             })
         })
     }

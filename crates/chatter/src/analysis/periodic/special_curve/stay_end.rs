@@ -63,13 +63,8 @@ impl Follower {
         let (mut shorter, guess, _) = touching.without_event(&start, index).ok()?;
         let held = Row::held(&guess, guess.len() - shorter.parameters()..guess.len());
         let found = newton(&mut shorter, &guess, &held).ok()?;
-        let touch = Station {
-            tangent: vec![0.0; found.at.len()],
-            at: found.at,
-            residual: found.residual,
-            correction: found.correction,
-            orientation: 0.0,
-        };
+        let no_way = vec![0.0; found.at.len()];
+        let touch = Station::beginning(found, no_way);
         self.shooting = shorter;
         self.sided = None;
         self.note(SpecialKind::Touch, &touch, (off, 1.0));

@@ -169,14 +169,8 @@ impl Together {
         if !is_there {
             return Err("no motion slips on where friction would have to hold too much".to_owned());
         }
-        let next = Station {
-            tangent: tangent(&mut longer, &found.at, &fixed.row).map_err(|error| told(&error))?,
-            at: found.at,
-            residual: found.residual,
-            correction: found.correction,
-            orientation: 0.0,
-        };
-        Ok((longer, next))
+        let along = tangent(&mut longer, &found.at, &fixed.row).map_err(|error| told(&error))?;
+        Ok((longer, Station::beginning(found, along)))
     }
 
     /// The first station on the side on which the flow sticks at both places at once, as far from there as such slips last on the other; within

@@ -46,6 +46,17 @@ impl Shooting<f64> {
 }
 
 impl Walker {
+    /// Tells a touch where what was watched vanishes, by the branch's equations.
+    pub(super) fn note_met(&mut self, there: &Point, met: &Solved) {
+        self.note(
+            SpecialKind::Touch,
+            there,
+            &met.told,
+            met.error,
+            met.residual,
+        );
+    }
+
     /// On from where, on the way to the next station, the event at the end of a step comes to a corner that it asks for.
     pub(super) fn comes_to_corner(
         &mut self,
@@ -90,13 +101,7 @@ impl Walker {
             };
         }
         self.settle(station);
-        self.note(
-            SpecialKind::Touch,
-            there,
-            &met.told,
-            met.error,
-            met.residual,
-        );
+        self.note_met(there, &met);
         let ends = |walker: &mut Self, why: &str| {
             let last = there.moved(&mut walker.shooting, &met.at);
             walker.points.push(last);

@@ -4,17 +4,16 @@
 
 use super::graze::{THERE, moved};
 use crate::analysis::continuation::{Condition, Curve, Left, Problem, Station, newton, tangent};
+use crate::analysis::periodic::branch::Point;
 use crate::analysis::periodic::branch::limits::End;
 use crate::analysis::periodic::branch::walker::{Stop, Walker};
-use crate::analysis::periodic::branch::{Point, SpecialKind};
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::Shooting;
-use crate::analysis::periodic::solved::Solved;
 use crate::expressions::Side;
 use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, Least, LegKind};
-use crate::numerics::{Real, unit};
+use crate::numerics::Real;
 
 /// What a stick brings about in a period is nothing if it is less than this part of what would be without it.
 const STANDS: f64 = 1e-9;
@@ -94,9 +93,7 @@ impl Shooting<f64> {
             how: left.to_string(),
         };
         longer.evaluate(&guess).map_err(left)?;
-        let image = longer.latest[index].image.clone();
-        let end = longer.duration_place(index + 1).ok_or_else(unknown)?;
-        guess[end - image.len()..end].copy_from_slice(&image);
+        guess[longer.node_places(index + 1)].copy_from_slice(&longer.latest[index].image);
         Ok((longer, guess, index + 1))
     }
 }
@@ -132,7 +129,7 @@ impl Walker {
                 self.shooting = shorter;
                 self.settle(&next);
                 let there = Point::new(&mut self.shooting, &next);
-                self.note_cut(&there, &met);
+                self.note_met(&there, &met);
                 self.goes_on(Ok(next), (curve, forward), here)
             }
             Err(why) => lost(why),
@@ -158,20 +155,13 @@ impl Walker {
         }
         let place = longer.duration_place(held)?;
         let none = Condition::fixed(guess.len(), place, 0.0);
-        let found = newton(&mut longer, &guess, &[none]).ok()?;
+        let found = newton(&mut longer, &guess, core::slice::from_ref(&none)).ok()?;
         if moved(&found.at, &guess, longer.scales()) > THERE {
             return None;
         }
         // On to where it takes time.
-        let grows = unit(guess.len(), place);
-        let tangent = tangent(&mut longer, &found.at, &grows).ok()?;
-        let next = Station {
-            at: found.at,
-            tangent,
-            residual: found.residual,
-            correction: found.correction,
-            orientation: 0.0,
-        };
+        let along = tangent(&mut longer, &found.at, &none.row).ok()?;
+        let next = Station::beginning(found, along);
         longer.evaluate(&next.at).ok()?;
         // A stick does not come to a wall whose rate it holds at zero: that is a graze.
         let rate = longer.latest.get(held)?.surface_rate;
@@ -191,20 +181,10 @@ impl Walker {
             return Some(Stop::End(end));
         }
         self.settle(station);
-        self.note_cut(&there, &met);
+        // Told by the equations without the stick.
+        self.note_met(&there, &met);
         self.shooting = longer;
         self.settle(&next);
         Some(self.goes_on(Ok(next), (curve, forward), here))
-    }
-
-    /// Tells the place by the equations without the stick.
-    fn note_cut(&mut self, there: &Point, met: &Solved) {
-        self.note(
-            SpecialKind::Touch,
-            there,
-            &met.told,
-            met.error,
-            met.residual,
-        );
     }
 }

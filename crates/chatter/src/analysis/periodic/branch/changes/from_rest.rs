@@ -262,14 +262,7 @@ impl Walker {
             let is_there = moved(&found.at, &guess, longer.scales()) <= SHORT
                 && is_broken(&mut longer, &found.at).is_ok_and(|broken| !broken);
             let tangent = tangent(&mut longer, &found.at, &fixed.row).ok()?;
-            let next = Station {
-                tangent,
-                at: found.at,
-                residual: found.residual,
-                correction: found.correction,
-                orientation: 0.0,
-            };
-            is_there.then_some((longer, next))
+            is_there.then_some((longer, Station::beginning(found, tangent)))
         });
         let (longer, next) =
             next.ok_or("what rests there loses its force, and no flight from it is found")?;

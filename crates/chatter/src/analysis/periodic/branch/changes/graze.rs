@@ -386,13 +386,7 @@ impl Walker {
         let Ok(met) = watching.at_corner(&station.at, (index, guard)) else {
             return false;
         };
-        self.note(
-            SpecialKind::Touch,
-            there,
-            &met.told,
-            met.error,
-            met.residual,
-        );
+        self.note_met(there, &met);
         true
     }
 

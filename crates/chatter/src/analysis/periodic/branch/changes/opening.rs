@@ -2,10 +2,10 @@
 
 use super::touch::Touched;
 use crate::analysis::continuation::{Curve, Problem, Station};
+use crate::analysis::periodic::branch::Point;
 use crate::analysis::periodic::branch::limits::End;
 use crate::analysis::periodic::branch::onward::{CAREFUL, Wanted, touch_between};
 use crate::analysis::periodic::branch::walker::{Stop, Walker};
-use crate::analysis::periodic::branch::{Point, SpecialKind};
 use crate::analysis::periodic::orbit::Orbit;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::analysis::periodic::solved::Solved;
@@ -48,18 +48,8 @@ impl Walker {
     ) -> Result<Station, String> {
         self.settle(station);
         let met = force_at_event(&mut self.shooting.clone(), &station.at, (index, contact))?;
-        self.note_open(there, &met);
+        self.note_met(there, &met);
         self.goes_on_open(station, there)
-    }
-
-    fn note_open(&mut self, there: &Point, met: &Solved) {
-        self.note(
-            SpecialKind::Touch,
-            there,
-            &met.told,
-            met.error,
-            met.residual,
-        );
     }
 
     /// The orbit beyond, which opens for a while.
@@ -152,7 +142,7 @@ impl Walker {
                     return false;
                 };
                 self.settle(&next);
-                self.note_open(&resting, &met);
+                self.note_met(&resting, &met);
                 if let Some(special) = self.special.last_mut() {
                     special.persists = Some(true);
                 }
@@ -169,12 +159,20 @@ fn force_at_event(
     at: &[f64],
     place: (usize, usize),
 ) -> Result<Solved, String> {
-    let forces = [true, false].map(|starts| force_at_end(shooting, at, (place, starts)));
-    let starts = match forces {
-        [Some(first), Some(last)] => first.abs() < last.abs(),
-        [first, _] => first.is_some(),
-    };
-    force_at_end(shooting, at, (place, starts)).ok_or("a contact without a force")?;
+    least_force_vanishes(shooting, at, [(place, false), (place, true)])
+}
+
+/// Where the force vanishes that is least among those at such ends of steps.
+fn least_force_vanishes(
+    shooting: &mut Shooting<f64>,
+    at: &[f64],
+    ends: impl IntoIterator<Item = ((usize, usize), bool)>,
+) -> Result<Solved, String> {
+    let known =
+        (ends.into_iter()).filter_map(|end| Some((end, force_at_end(shooting, at, end)?.abs())));
+    let least = known.min_by(|a, b| a.1.total_cmp(&b.1));
+    let (least, _) = least.ok_or("a contact without a force")?;
+    force_at_end(shooting, at, least).ok_or("a contact without a force")?;
     shooting.at_watched(at)
 }
 
@@ -206,11 +204,8 @@ fn least_force_at_events(
     let contacts = shooting.workshop.model.contacts.len();
     let places = (0..shooting.steps.len())
         .flat_map(|index| (0..contacts).map(move |contact| (index, contact)));
-    let forces = places.flat_map(|place| [(place, true), (place, false)]);
-    let known = forces.filter_map(|end| Some((end, force_at_end(shooting, at, end)?.abs())));
-    let (least, _) = known.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    force_at_end(shooting, at, least)?;
-    let met = shooting.at_watched(at).ok()?;
+    let ends = places.flat_map(|place| [(place, true), (place, false)]);
+    let met = least_force_vanishes(shooting, at, ends).ok()?;
     let (low, high) = (between[0].min(between[1]), between[0].max(between[1]));
     // The chatter of the orbits before has come to nothing in rounding, which their parameter is known to.
     let scale = shooting.scales().last().copied()?;

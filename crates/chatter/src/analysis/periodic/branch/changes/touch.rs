@@ -663,13 +663,7 @@ impl Walker {
                 continue;
             }
             let along = tangent(&mut longer, &stays.at, &fixed.row);
-            let next = Station {
-                tangent: along.map_err(|error| told(&error))?,
-                at: stays.at,
-                residual: stays.residual,
-                correction: stays.correction,
-                orientation: 0.0,
-            };
+            let next = Station::beginning(stays, along.map_err(|error| told(&error))?);
             self.shooting = longer;
             if let Some(there) = there {
                 self.look_back(&next, (place, &there));
