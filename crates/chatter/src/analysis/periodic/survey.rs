@@ -3,7 +3,8 @@
 
 use super::aside::Aside;
 use super::branch::{
-    Branch, End, Limits, Near, Point, Seed, Special, SpecialKind, Wanted, beside, follow,
+    Branch, End, Limits, Near, Point, Seed, Special, SpecialKind, Wanted, beside, broken_beside,
+    follow,
 };
 use super::cycle::itinerary::Step;
 use super::cycle::settle::Patience;
@@ -47,8 +48,8 @@ const MOST_TRIED: usize = 6;
 /// Where fewer impacts than these come to nothing they do not accumulate at a border, beyond which chatter is complete: a lone one may
 /// be that of a part left to itself.
 const ACCUMULATES: u64 = 4;
-/// The first displacement along a branch that leaves another, against the size of the orbit.
-const ASIDE: f64 = 2e-3;
+/// The first displacements along a branch that leaves another, against the size of the orbit: the farthest at which the solution is a motion.
+const ASIDE: [f64; 4] = [2e-3, 4e-4, 8e-5, 1.6e-5];
 
 /// The branches, the first through the orbit at a solution.
 pub(crate) fn survey(
@@ -411,8 +412,21 @@ const fn is_left_at(kind: SpecialKind) -> bool {
     matches!(kind, SpecialKind::BranchPoint | SpecialKind::PeriodDoubling)
 }
 
-/// An orbit on the branch that leaves another at a special point: once, or twice around it.
+/// An orbit on the branch that leaves another at a special point: once, or twice around it. Beyond where events come or go equations have
+/// solutions that are no motion, and such a place may be near.
 fn leaving(special: &Special, sign: f64) -> Option<(Shooting<f64>, Vec<f64>)> {
+    let is_motion = |(shooting, at): &mut (Shooting<f64>, Vec<f64>)| {
+        broken_beside(shooting, at, None).is_ok_and(|broken| broken.is_empty())
+    };
+    let all = ASIDE.iter().map(|&far| leaving_by(special, sign, far));
+    let motion = all
+        .flatten()
+        .find_map(|mut there| is_motion(&mut there).then_some(there));
+    motion.or_else(|| leaving_by(special, sign, ASIDE[0]))
+}
+
+/// The same, so far aside, against the size of the orbit.
+fn leaving_by(special: &Special, sign: f64, far: f64) -> Option<(Shooting<f64>, Vec<f64>)> {
     let seed = special.seed.as_ref()?;
     let mut shooting = seed.shooting.clone();
     if sign > 0.0 && special.leaves.len() == seed.at.len() {
@@ -423,12 +437,12 @@ fn leaving(special: &Special, sign: f64) -> Option<(Shooting<f64>, Vec<f64>)> {
             correction: special.error,
             orientation: 1.0,
         };
-        let (next, _) = there.ahead(&mut shooting, ASIDE).ok()?;
+        let (next, _) = there.ahead(&mut shooting, far).ok()?;
         shooting.adopt(&next.at);
         return Some((shooting, next.at));
     }
     let singular = Singular::near(&mut shooting, &seed.at, sign).ok()?;
-    let mut aside = Aside::new(&shooting, &seed.at, &singular, ASIDE)?;
+    let mut aside = Aside::new(&shooting, &seed.at, &singular, far)?;
     let at = aside.close(&[])?;
     Some((aside.shooting, at))
 }

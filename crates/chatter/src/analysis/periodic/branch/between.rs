@@ -1,9 +1,10 @@
 //! Special points between two stations with the same sequence of events.
 
+use super::branch_point::Met;
 use super::special::Seed;
 use super::walker::Walker;
 use super::{End, Point, SpecialKind};
-use crate::analysis::continuation::{Problem, Singular, Station, locate};
+use crate::analysis::continuation::{Problem, Singular, Station, locate, meeting};
 use crate::analysis::periodic::aside::shift;
 use crate::analysis::periodic::condition::{Bordered, Condition};
 use crate::analysis::periodic::multipliers::{
@@ -12,7 +13,7 @@ use crate::analysis::periodic::multipliers::{
 };
 use crate::analysis::periodic::shooting::Shooting;
 use crate::analysis::periodic::solved::{Solved, roundoff};
-use crate::numerics::Complex;
+use crate::numerics::{Complex, moved};
 
 /// What changed its sign between two stations, and its values there.
 #[derive(Clone, Copy, Debug)]
@@ -178,7 +179,8 @@ impl Walker {
             self.settle(&station);
             let value = off_together(&self.shooting.multipliers(), at) * before.signum();
             if value < -rounding {
-                return Some(part);
+                let is_on_it = at < 0.0 || !self.is_beside_meeting(from, part * step, &station);
+                return is_on_it.then_some(part);
             }
             let place = known.partition_point(|(other, _)| *other < part);
             known.insert(place, (part, value));
@@ -196,6 +198,16 @@ impl Walker {
         None
     }
 
+    /// Whether a station so far ahead of another was corrected by more than it is away from where branches meet: there it may be on either of them.
+    fn is_beside_meeting(&mut self, from: &Station, ahead: f64, station: &Station) -> bool {
+        let Ok(met) = meeting(&mut self.shooting, &station.at) else {
+            return false;
+        };
+        let scales = self.shooting.scales();
+        let guess = moved(&from.at, &from.tangent, ahead);
+        station.distance(&guess, scales) > station.distance(&met.at, scales)
+    }
+
     fn passed_between(
         &mut self,
         from: &Station,
@@ -205,20 +217,62 @@ impl Walker {
     ) -> Option<End> {
         let size = from.at.len();
         let (before, after) = (from.tangent[size - 1], to.tangent[size - 1]);
-        let mut kinds = Vec::new();
         let (meets, turns) = (
             from.orientation * to.orientation < 0.0,
             before * after < 0.0 && !self.stands_between(from, to),
         );
         // Where nothing is left of an orbit its equations are singular by rounding.
-        if (meets || turns) && !(self.has_shrunk(from) || self.has_shrunk(to)) {
-            if !meets {
-                kinds.push(Passed::Fold((before, after)));
-            } else if let Some(end) = self.branch_point(from, step, (before, after)) {
-                // Where branches meet, one of them may turn.
-                return Some(end);
-            }
+        let is_told = !(self.has_shrunk(from) || self.has_shrunk(to));
+        // Where branches meet, one of them may turn.
+        if is_told
+            && meets
+            && let Some(met) = self.branch_point(from, step, (before, after))
+        {
+            return self.passed_around(met, (from, here), (to, there));
         }
+        let fold = (is_told && turns && !meets).then_some(Passed::Fold((before, after)));
+        for (passed, station) in self.passed((from, step), (here, there), (meets || turns, fold)) {
+            self.tell(passed, &station, (here.parameter(), there.parameter()));
+        }
+        None
+    }
+
+    /// The same to both sides of where branches meet: what passes before it may come back after it, as it does on a branch that turns there.
+    fn passed_around(
+        &mut self,
+        met: Met,
+        (from, here): (&Station, &Point),
+        (to, there): (&Station, &Point),
+    ) -> Option<End> {
+        let parameters = (here.parameter(), met.point.parameter(), there.parameter());
+        let reach = |walker: &Self, from: &Station| from.reach(&met.at, walker.shooting.scales());
+        let ahead = reach(self, from);
+        for (passed, station) in self.passed((from, ahead), (here, &met.point), (true, None)) {
+            self.tell(passed, &station, (parameters.0, parameters.1));
+        }
+        let back = to.clone().reversed();
+        let ahead = reach(self, &back);
+        let mut beyond = self.passed((&back, ahead), (there, &met.point), (true, None));
+        beyond.reverse();
+        let end = self.note_branch_point(met);
+        if end.is_some() {
+            return end;
+        }
+        for (passed, station) in beyond {
+            self.tell(passed, &station, (parameters.1, parameters.2));
+        }
+        None
+    }
+
+    /// What changed its sign on the way ahead of a station, in the order in which it did, and where; whether branches meet there or one turns, and
+    /// that it does, is known.
+    fn passed(
+        &mut self,
+        (from, step): (&Station, f64),
+        (here, there): (&Point, &Point),
+        (singular, fold): (bool, Option<Passed>),
+    ) -> Vec<(Passed, Station)> {
+        let mut kinds: Vec<Passed> = fold.into_iter().collect();
         let both = |value: fn(&[Complex]) -> Option<f64>| {
             let ends = (value(&here.multipliers)?, value(&there.multipliers)?);
             (ends.0 * ends.1 < 0.0).then_some(ends)
@@ -238,7 +292,7 @@ impl Walker {
             kinds.retain(|passed| !matches!(passed, Passed::Doubling(_)));
             kinds.extend(places(-1.0, Passed::DoublingOf));
         }
-        if meetings > 1 && !(meets || turns) {
+        if meetings > 1 && !singular {
             kinds.extend(places(1.0, Passed::MeetingOf));
         }
         // A pair that stays on the circle, as where energy is conserved, changes sides by rounding: its product, which changes by twice as much as
@@ -273,10 +327,10 @@ impl Walker {
         });
         let mut located: Vec<(Passed, Station, f64)> = located.collect();
         located.sort_by(|a, b| a.2.total_cmp(&b.2));
-        for (passed, station, _) in located {
-            self.tell(passed, &station, (from.parameter(), to.parameter()));
-        }
-        None
+        let located = located.into_iter();
+        located
+            .map(|(passed, station, _)| (passed, station))
+            .collect()
     }
 
     /// Whether the parameter goes nowhere between two stations, and to neither side at any of them, but for rounding: so it is in a family of

@@ -10,14 +10,13 @@ use crate::analysis::periodic::solved::{NOISE, roundoff};
 impl Walker {
     /// A point where branches meet. The equations are singular there, so it is found from stations around it: the
     /// polynomial through what vanishes, a multiplier less one or, on a branch that turns, the tangent's part along the
-    /// parameter. From there it is solved for with what unfolds it. Where it is an orbit gone around twice, this branch is one
-    /// of doubled orbits: it comes back from there as it went, and ends.
+    /// parameter. From there it is solved for with what unfolds it.
     pub(super) fn branch_point(
         &mut self,
         from: &Station,
         step: f64,
         (before, after): (f64, f64),
-    ) -> Option<End> {
+    ) -> Option<Met> {
         self.settle(from);
         let turns = before * after < 0.0;
         let noise = |station: &Station| roundoff(station.parameter());
@@ -81,22 +80,31 @@ impl Walker {
         if !(is_near(&here.multipliers, 1.0) || self.shooting.grazes()) {
             return None;
         }
-        let doubles = shorter(&self.shooting, &station.at).is_ok_and(|half| half.is_some());
+        Some(Met {
+            at: station.at,
+            point: here,
+            told: (error, residual),
+            leaves: leaves.unwrap_or_default(),
+        })
+    }
+
+    /// Tells it. Where it is an orbit gone around twice, this branch is one of doubled orbits: it comes back from there as it went, and ends.
+    pub(super) fn note_branch_point(&mut self, met: Met) -> Option<End> {
+        let again = shorter(&self.shooting, &met.at).is_ok_and(|half| half.is_some());
+        let (error, residual) = met.told;
         self.note(
             SpecialKind::BranchPoint,
-            &here,
-            &station.at,
+            &met.point,
+            &met.at,
             error,
             residual,
         );
-        if let Some(special) = self.special.last_mut() {
-            special.leaves = leaves.unwrap_or_default();
-        }
-        if doubles && let Some(special) = self.special.last_mut() {
+        let special = self.special.last_mut()?;
+        special.leaves = met.leaves;
+        if again {
             special.seed = None;
-            return Some(End::Again(SpecialKind::BranchPoint));
         }
-        None
+        again.then_some(End::Again(SpecialKind::BranchPoint))
     }
 
     /// Where the polynomial through stations on a part of the way ahead of another vanishes.
@@ -166,6 +174,14 @@ impl Walker {
         }
         fitted
     }
+}
+
+/// Where branches meet, the orbit there, what its parameter may be off by and what is left of what vanishes, and the direction of the other branch.
+pub(super) struct Met {
+    pub at: Vec<f64>,
+    pub point: Point,
+    told: (f64, f64),
+    leaves: Vec<f64>,
 }
 
 /// Where a polynomial through stations vanishes: how far ahead, and the station there.

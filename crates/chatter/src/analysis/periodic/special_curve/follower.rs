@@ -405,7 +405,7 @@ impl Follower {
                     false => from.parameter_slope() > 0.0,
                 };
                 if is_own && (!test.of_multipliers || has_multipliers(test.kind, &begun)) {
-                    found.push((test.kind, from.clone(), 0.0, (before, slope)));
+                    found.push((test.kind, from.clone(), 0.0, (before, slope), 0.0));
                 }
                 continue;
             }
@@ -438,18 +438,19 @@ impl Follower {
             if !vanishes(here) || self.shooting.evaluate(&station.at).is_err() {
                 continue;
             }
-            let (there, _) = multipliers(&self.shooting, &station.at, grazing);
+            let (there, known_to) = multipliers(&self.shooting, &station.at, grazing);
             let is_there = match test.kind {
                 SpecialKind::Cusp => degenerate::stands(&self.shooting, (from, &station)),
                 _ => !test.of_multipliers || has_multipliers(test.kind, &there),
             };
+            let known_to = if test.of_multipliers { known_to } else { 0.0 };
             if is_there {
-                found.push((test.kind, station, ahead, (here, slope)));
+                found.push((test.kind, station, ahead, (here, slope), known_to));
             }
         }
         found.sort_by(|a, b| a.2.total_cmp(&b.2));
-        for (kind, station, _, vanishes) in found {
-            self.note(kind, &station, vanishes);
+        for (kind, station, _, vanishes, known_to) in found {
+            self.note_known(kind, &station, vanishes, known_to);
             if ends(self.kind, kind) {
                 return Some(End::At(kind));
             }
@@ -458,18 +459,24 @@ impl Follower {
     }
 
     /// Notes a special point with the value there of what vanishes, and how that changes along the curve.
-    pub(super) fn note(
+    pub(super) fn note(&mut self, kind: SpecialKind, station: &Station, vanishes: (f64, f64)) {
+        self.note_known(kind, station, vanishes, 0.0);
+    }
+
+    /// The same where that value is known to so much only.
+    fn note_known(
         &mut self,
         kind: SpecialKind,
         station: &Station,
         (value, slope): (f64, f64),
+        known_to: f64,
     ) {
         if self.shooting.evaluate(&station.at).is_err() {
             return;
         }
         let point = self.told(station);
         let scale = self.shooting.scales()[station.at.len() - 1];
-        let off = (NOISE * station.correction).max((value / slope).abs());
+        let off = (NOISE * station.correction).max(value.abs().max(known_to) / slope.abs());
         let off = off.max(f64::EPSILON);
         self.special.push(Special {
             kind,

@@ -2,6 +2,8 @@
 
 mod any_start;
 mod cut_short;
+mod doubled;
+mod elastic;
 mod families;
 mod monitors;
 mod rest_begins;
