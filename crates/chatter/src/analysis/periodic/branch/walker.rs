@@ -221,7 +221,7 @@ impl Walker {
                 at_graze = true;
                 continue;
             }
-            if self.shooting.flight_has_vanished()
+            if self.shooting.flight_has_vanished(&next.at)
                 && let Some(Stop::On) = self.flight_ends(Some((&next, step)), &mut curve, &mut here)
             {
                 walked.grazes += 1;

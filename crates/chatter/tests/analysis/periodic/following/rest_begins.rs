@@ -149,3 +149,34 @@ fn a_contact_opens_just_where_friction_turns() {
         assert!(touch.error < 1e-13, "{touch:?}");
     }
 }
+
+/// Faster still it is released on the way up, and friction turns in flight. That begins where the force just before the top, 2 k e + P + f - e omega^2,
+/// vanishes: at the square root of 83, be it least there or, with a damper in the guide, on its way to less. For a cam with a second harmonic by
+/// mpmath: the force where the cam's slope vanishes.
+#[test]
+fn a_contact_is_released_before_friction_turns() {
+    let text = |cam: &str, drag: &str| {
+        format!(
+            "[parameters]\nom = 9\n[flight]\nx = \"v\"\nv = \"-20*x - 20 - 1.5*sign(v){drag}\"\n[[contact]]\nname = \"cam\"\n\
+            gap = \"x - 0.5*(1 - cos(om*t)){cam}\"\nimpulse = {{ v = 1 }}\nrestitution = 0.4\n[section.s]\nsurface = \"sin(om*t)\"\n\
+            direction = \"rising\"\n[initial]\nx = 2\nv = 0\n"
+        )
+    };
+    let least = (text("", ""), 83.0_f64.sqrt());
+    let falling = (text("", " - 0.5*v"), 83.0_f64.sqrt());
+    let skew = (text(" - 0.02*sin(2*om*t)", ""), 9.014_954_180_793_578_4);
+    for (text, exact) in [least, falling, skew] {
+        for (start, step) in [("9", 0.02), ("9", 0.3), ("9.2", 0.02), ("9.2", 0.3)] {
+            let branch = through(&text, "om", (8.95, 9.25), (start, step));
+            let [touch] = &branch.special[..] else {
+                panic!("from {start}: {:?}", branch.special);
+            };
+            assert_eq!(
+                (touch.kind, touch.persists),
+                (SpecialKind::Touch, Some(true))
+            );
+            assert!((value(touch) - exact).abs() <= touch.error, "{touch:?}");
+            assert!(touch.error < 1e-13, "{touch:?}");
+        }
+    }
+}
