@@ -107,6 +107,14 @@ impl Walker {
             return Stop::End(end);
         }
         self.settle(&station);
+        // Of such a flight rounding says where the curve goes, too.
+        if let Broken::Event(index) | Broken::Inner(index, GuardKind::Gap(_)) = broken
+            && !self.is_flight(&station, index)
+            && self.stays_closed(curve, here)
+        {
+            return Stop::On;
+        }
+        self.settle(&station);
         // Where what begins with a release has come to nothing, rounding says in which way it breaks.
         if self.shooting.opening_vanishes(&station.at) {
             let end = End::Lost(broken.told(&self.shooting));
@@ -127,7 +135,6 @@ impl Walker {
             }
             just_before = nearly;
         }
-        self.settle(&station);
         let is_less = |walker: &mut Self, roundoffs: f64| match broken {
             Broken::Inner(index, GuardKind::Gap(contact)) => {
                 !walker.is_resolved(&station, (index, contact), roundoffs)
@@ -454,13 +461,22 @@ impl Walker {
         let Some(contact) = self.shooting.steps[index].impact() else {
             return true;
         };
-        if self.shooting.steps[before].ends_at() != Some(GuardKind::Reaction(contact)) {
+        if !self.shooting.holds(before, contact) {
             return true;
         }
         let [release, flight] = [before, index].map(|k| &self.shooting.latest[k]);
         let (_, terms) = self.shooting.gap_rate(&station.at, (index, contact));
-        // From rest with this jerk, and back to the contact: a quartic.
-        let height = 27.0 / 1536.0 * (release.surface_rate * flight.duration.powi(3)).abs();
+        let height = match self.shooting.steps[before].ends_at() {
+            // From rest with this jerk, and back to the contact: a quartic.
+            Some(GuardKind::Reaction(of)) if of == contact => {
+                27.0 / 1536.0 * (release.surface_rate * flight.duration.powi(3)).abs()
+            }
+            // Thrown off by a corner, from rest and back with this rate: a cubic, or a quartic if there is none.
+            _ => {
+                let rate = 4.0 / 27.0 * (flight.surface_rate * flight.duration).abs();
+                rate + (flight.surface_acceleration * flight.duration.powi(2)).abs() / 32.0
+            }
+        };
         is_told(height, terms, LEAST_HEIGHT)
     }
 
