@@ -134,6 +134,9 @@ impl Walker {
                     if let Some(end) = self.ends_beside_root(&curve.station, &here) {
                         break end;
                     }
+                    if let Some(end) = self.ends_with_strike(&curve.station, &here) {
+                        break end;
+                    }
                     // Where a crossing and the way back become one, no time is left between them.
                     self.settle(&curve.station);
                     let vanishes = self.shooting.impact_that_vanishes(&curve.station.at);

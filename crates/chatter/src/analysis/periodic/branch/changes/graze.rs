@@ -71,6 +71,9 @@ impl Walker {
         );
         let first = first.map(|first| break_before(&mut self.shooting, &mut reader, &from, first));
         let Some((broken, station, reached)) = first else {
+            if let Some(end) = self.ends_with_strike(&from, here) {
+                return Stop::End(end);
+            }
             let end = End::Lost("the sequence of events changes".to_owned());
             return Stop::Broken(end, Box::new(from));
         };
@@ -135,6 +138,11 @@ impl Walker {
             }
             just_before = nearly;
         }
+        // What is left of slips that come to nothing with the impact before them breaks in whichever way rounding says.
+        if let Some(end) = self.ends_with_strike(&from, &there) {
+            return Stop::End(end);
+        }
+        self.settle(&station);
         let is_less = |walker: &mut Self, roundoffs: f64| match broken {
             Broken::Inner(index, GuardKind::Gap(contact)) => {
                 !walker.is_resolved(&station, (index, contact), roundoffs)
@@ -784,7 +792,7 @@ pub(in crate::analysis::periodic) fn moved(found: &[f64], from: &[f64], sizes: &
 }
 
 /// The kind of a graze where the gap of the flight opens, or closes, as the parameter grows: whichever way it is met.
-const fn graze(opens: bool) -> SpecialKind {
+pub(super) const fn graze(opens: bool) -> SpecialKind {
     if opens {
         SpecialKind::ImpactGraze
     } else {

@@ -9,6 +9,7 @@ pub(super) mod graze;
 pub(super) mod holds;
 pub(super) mod opening;
 mod root;
+mod strike;
 pub(super) mod together;
 pub(super) mod touch;
 pub(super) mod turn;
