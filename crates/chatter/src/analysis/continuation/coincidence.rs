@@ -113,8 +113,23 @@ pub fn coincidence(
     start: &[f64],
     conditions: [usize; 2],
 ) -> Result<Coincident, NewtonError> {
+    let equations = Coincidence::near(problem, start, conditions)?;
+    let column = equations.column;
+    coincidence_along(problem, start, conditions, column)
+}
+
+/// The same with a column that is known.
+///
+/// # Errors
+/// There is none, or none was found.
+pub fn coincidence_along(
+    problem: &mut dyn Problem<f64>,
+    start: &[f64],
+    conditions: [usize; 2],
+    column: Vec<f64>,
+) -> Result<Coincident, NewtonError> {
     let (unknowns, scales) = (start.len(), problem.scales().to_vec());
-    let mut equations = Coincidence::near(problem, start, conditions)?;
+    let mut equations = Coincidence::with_column(problem, conditions, column);
     let mut extended = start.to_vec();
     extended.push(0.0);
     let found = close_by::<f64>().solve(&mut equations, &extended)?;

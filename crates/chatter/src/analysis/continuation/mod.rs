@@ -24,7 +24,7 @@ mod problem;
 #[cfg(test)]
 mod tests;
 
-pub use coincidence::{Coincidence, Coincident, coincidence};
+pub use coincidence::{Coincidence, Coincident, coincidence, coincidence_along};
 pub use curve::{Curve, Settings, Station, StepError, tangent};
 pub use differences::differenced;
 pub use held::{Held, Singular};

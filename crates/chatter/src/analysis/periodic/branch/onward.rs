@@ -103,7 +103,9 @@ impl Walker {
         let ends: Vec<_> = self.shooting.steps.iter().map(Step::ends_at).collect();
         // Where a stick or a slip comes to nothing the way goes into its time, and hardly past the touch.
         let stands = self.shooting.comes_back_at_once(&from.at);
-        let is_over = stands || (broke.is_none() && slides.iter().any(|&on| on > 0));
+        // So it does where a ball that was thrown lands at rest: it comes from there as the cube of the time between that and its landing.
+        let is_flat = broke.is_none() && self.is_flat(&from);
+        let is_over = stands || is_flat || (broke.is_none() && slides.iter().any(|&on| on > 0));
         let over = is_over.then(|| self.over_the_parameter(&from));
         let mut ways: Vec<&Station> = [&from].into_iter().chain(&over).collect();
         if stands {

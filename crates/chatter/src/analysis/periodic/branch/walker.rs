@@ -134,6 +134,9 @@ impl Walker {
                     if let Some(end) = self.ends_beside_root(&curve.station, &here) {
                         break end;
                     }
+                    if let Some(end) = self.ends_with_strike(&curve.station, &here) {
+                        break end;
+                    }
                     // Where a crossing and the way back become one, no time is left between them.
                     self.settle(&curve.station);
                     let vanishes = self.shooting.impact_that_vanishes(&curve.station.at);
@@ -221,7 +224,7 @@ impl Walker {
                 at_graze = true;
                 continue;
             }
-            if self.shooting.flight_has_vanished()
+            if self.shooting.flight_has_vanished(&next.at)
                 && let Some(Stop::On) = self.flight_ends(Some((&next, step)), &mut curve, &mut here)
             {
                 walked.grazes += 1;

@@ -12,6 +12,7 @@ mod shrinking;
 mod stations;
 mod steps;
 mod sticks_together;
+mod strikes;
 mod together;
 mod told_from;
 mod told_once;

@@ -13,7 +13,7 @@ use crate::analysis::periodic::branch::walker::{Stop, Walker};
 use crate::analysis::periodic::branch::{Limits, Point};
 use crate::analysis::periodic::cycle::itinerary::Passage;
 use crate::analysis::periodic::shooting::Shooting;
-use crate::analysis::periodic::solved::NOISE;
+use crate::analysis::periodic::solved::{NOISE, Solved};
 use crate::flow::GuardKind;
 use crate::numerics::{Equations, Real, dot};
 
@@ -64,32 +64,14 @@ impl Shooting<f64> {
     fn turns_together(&self, guess: &[f64], index: usize) -> Option<Touched> {
         let guard = self.steps[index].ends_at()?;
         let (mut both, start, turns) = self.with_other_turn(guess, (index, guard))?;
-        let Coincident {
-            found,
-            column,
-            unfolds,
-            along,
-        } = coincidence(&mut both, &start, turns).ok()?;
+        let coincident = coincidence(&mut both, &start, turns).ok()?;
         // Steps come to nothing so far from there as equations are singular, however narrow the range is.
         let nodes = ..start.len() - both.workshop.free.len();
-        if moved(&found.at[nodes], &start[nodes], both.scales()) > THERE {
+        if moved(&coincident.found.at[nodes], &start[nodes], both.scales()) > THERE {
             return None;
         }
-        let (residual, correction) = (found.residual, found.correction);
-        let mut all = found.at.clone();
-        all.push(unfolds);
-        let long = column.iter().map(|&x| x.into()).collect::<Vec<_>>();
-        let (solved, unfolds) = both.refined_by(found, &all, |fine, at| {
-            let mut equations = Coincidence::with_column(fine, turns, long.clone());
-            let left = equations.evaluate(at).ok()?.residual;
-            Some(left.iter().map(|x| x.to_f64()).collect())
-        });
-        // They come at once if the equations hold there.
-        let unfolds = *unfolds.first()?;
-        let off: Vec<f64> = column.iter().map(|by| by * unfolds).collect();
-        if both.apart(&off) > NOISE * f64::EPSILON {
-            return None;
-        }
+        let (residual, correction) = (coincident.found.residual, coincident.found.correction);
+        let (solved, along) = both.solved_together(coincident, turns)?;
         let (single, ..) = both.without_way_onto(&solved.at, turns[1]).ok()?;
         Some(Touched {
             at: both.without_node(&solved.at, turns[1]),
@@ -106,6 +88,34 @@ impl Shooting<f64> {
                 along,
             }),
         })
+    }
+}
+
+impl Shooting<f64> {
+    /// A coincidence in longer numbers, and the direction of its curve; none where the equations do not hold there.
+    pub(super) fn solved_together(
+        &self,
+        coincident: Coincident,
+        conditions: [usize; 2],
+    ) -> Option<(Solved, Vec<f64>)> {
+        let Coincident {
+            found,
+            column,
+            unfolds,
+            along,
+        } = coincident;
+        let mut all = found.at.clone();
+        all.push(unfolds);
+        let long = column.iter().map(|&x| x.into()).collect::<Vec<_>>();
+        let (solved, unfolds) = self.refined_by(found, &all, |fine, at| {
+            let mut equations = Coincidence::with_column(fine, conditions, long.clone());
+            let left = equations.evaluate(at).ok()?.residual;
+            Some(left.iter().map(|x| x.to_f64()).collect())
+        });
+        // They come at once if the equations hold there.
+        let unfolds = *unfolds.first()?;
+        let off: Vec<f64> = column.iter().map(|by| by * unfolds).collect();
+        (self.apart(&off) <= NOISE * f64::EPSILON).then_some((solved, along))
     }
 }
 

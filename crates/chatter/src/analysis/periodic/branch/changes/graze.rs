@@ -19,7 +19,7 @@ const NOT_QUITE: f64 = 1e-5;
 /// This part of a step is no way from where the sequence of events breaks.
 const BESIDE: f64 = 1e-2;
 /// Flights are told from rounding of the gap if they are so many times as high.
-const LEAST_HEIGHT: f64 = 1e4;
+pub(super) const LEAST_HEIGHT: f64 = 1e4;
 /// Where they are no more than so many times as high, that is why no solution is found.
 const SMALL_HEIGHT: f64 = 1e6;
 /// A graze that Newton's method finds farther from where it is looked for, against the size of the orbit, is another one.
@@ -71,6 +71,9 @@ impl Walker {
         );
         let first = first.map(|first| break_before(&mut self.shooting, &mut reader, &from, first));
         let Some((broken, station, reached)) = first else {
+            if let Some(end) = self.ends_with_strike(&from, here) {
+                return Stop::End(end);
+            }
             let end = End::Lost("the sequence of events changes".to_owned());
             return Stop::Broken(end, Box::new(from));
         };
@@ -90,7 +93,9 @@ impl Walker {
         {
             return stop;
         }
-        if let Some(stop) = self.flight_ends(Some((&station, reached)), curve, here) {
+        if self.shooting.flight_breaks(&station.at, &broken)
+            && let Some(stop) = self.flight_ends(Some((&station, reached)), curve, here)
+        {
             return stop;
         }
         self.settle(&station);
@@ -103,6 +108,14 @@ impl Walker {
             && let Some(end) = self.shrinks(&from, (&station, reached), (index, here))
         {
             return Stop::End(end);
+        }
+        self.settle(&station);
+        // Of such a flight rounding says where the curve goes, too.
+        if let Broken::Event(index) | Broken::Inner(index, GuardKind::Gap(_)) = broken
+            && !self.is_flight(&station, index)
+            && self.stays_closed(curve, here)
+        {
+            return Stop::On;
         }
         self.settle(&station);
         // Where what begins with a release has come to nothing, rounding says in which way it breaks.
@@ -124,6 +137,10 @@ impl Walker {
                 return Stop::End(end);
             }
             just_before = nearly;
+        }
+        // What is left of slips that come to nothing with the impact before them breaks in whichever way rounding says.
+        if let Some(end) = self.ends_with_strike(&from, &there) {
+            return Stop::End(end);
         }
         self.settle(&station);
         let is_less = |walker: &mut Self, roundoffs: f64| match broken {
@@ -173,6 +190,13 @@ impl Walker {
                 if let Some(first) = self.shooting.stay_over(&station.at, guard) =>
             {
                 self.lose(&station, first, &there)
+            }
+            Broken::Inner(index, GuardKind::Reaction(contact))
+            | Broken::Early(index, GuardKind::Reaction(contact))
+                if let Ok(next) =
+                    self.released_before_corner(&station, (index, contact), &there) =>
+            {
+                Ok(next)
             }
             Broken::Inner(index, guard) => self.gain(&station, (index, guard), &there),
             // What it is told by is the touch of the surface that it comes back to, and not how slowly.
@@ -445,13 +469,22 @@ impl Walker {
         let Some(contact) = self.shooting.steps[index].impact() else {
             return true;
         };
-        if self.shooting.steps[before].ends_at() != Some(GuardKind::Reaction(contact)) {
+        if !self.shooting.holds(before, contact) {
             return true;
         }
         let [release, flight] = [before, index].map(|k| &self.shooting.latest[k]);
         let (_, terms) = self.shooting.gap_rate(&station.at, (index, contact));
-        // From rest with this jerk, and back to the contact: a quartic.
-        let height = 27.0 / 1536.0 * (release.surface_rate * flight.duration.powi(3)).abs();
+        let height = match self.shooting.steps[before].ends_at() {
+            // From rest with this jerk, and back to the contact: a quartic.
+            Some(GuardKind::Reaction(of)) if of == contact => {
+                27.0 / 1536.0 * (release.surface_rate * flight.duration.powi(3)).abs()
+            }
+            // Thrown off by a corner, from rest and back with this rate: a cubic, or a quartic if there is none.
+            _ => {
+                let rate = 4.0 / 27.0 * (flight.surface_rate * flight.duration).abs();
+                rate + (flight.surface_acceleration * flight.duration.powi(2)).abs() / 32.0
+            }
+        };
         is_told(height, terms, LEAST_HEIGHT)
     }
 
@@ -723,7 +756,7 @@ fn gone((from, to): (&Station, &Station)) -> Option<f64> {
 }
 
 /// Whether the height of a flight is more than so many roundoffs of the terms that the gap is the sum of.
-fn is_told(height: f64, terms: f64, roundoffs: f64) -> bool {
+pub(super) fn is_told(height: f64, terms: f64, roundoffs: f64) -> bool {
     height.is_nan() || height > roundoffs * f64::EPSILON * terms
 }
 
@@ -759,7 +792,7 @@ pub(in crate::analysis::periodic) fn moved(found: &[f64], from: &[f64], sizes: &
 }
 
 /// The kind of a graze where the gap of the flight opens, or closes, as the parameter grows: whichever way it is met.
-const fn graze(opens: bool) -> SpecialKind {
+pub(super) const fn graze(opens: bool) -> SpecialKind {
     if opens {
         SpecialKind::ImpactGraze
     } else {

@@ -27,6 +27,19 @@ pub(crate) enum Broken {
 }
 
 impl Broken {
+    /// The step that no longer holds.
+    pub(super) fn step(&self) -> usize {
+        match *self {
+            Self::Event(index)
+            | Self::Inner(index, _)
+            | Self::Early(index, _)
+            | Self::Beyond(index, _)
+            | Self::Passed(index)
+            | Self::Carried(index)
+            | Self::Order(index) => index,
+        }
+    }
+
     /// In words.
     pub(crate) fn told(&self, shooting: &Shooting<f64>) -> String {
         let named = |guard| shooting.workshop.named(guard);

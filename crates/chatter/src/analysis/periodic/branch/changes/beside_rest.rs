@@ -1,0 +1,508 @@
+//! Where a flight beside a rest comes to nothing: before it, or after it.
+//!
+//! What a plastic impact leaves flies on for a while and lands again, or stays where it is. From no rate, with the acceleration a and the jerk j < 0, it lands after the time -3a/j with a rate in proportion to a^2. As a vanishes so does the
+//! flight, and beyond the contact holds from the first impact on. With the flight the equations are solved by one of no time as well, whatever a is;
+//! without it nothing is singular. So the touch is where the contact force vanishes as the rest begins, an equation of the orbit without that flight;
+//! and on the other side the curve begins with a flight of a given short time.
+//!
+//! What a corner of the field throws off, as friction that turns at the top of a cam does, may be released a little before, and meets the corner in
+//! flight. As the force vanishes just where the corner comes so does that flight, and beyond the contact holds up to there. The time of the flight is
+//! a square root where the force is least there, and so it is the other way round: the touch is where the contact force vanishes as the rest ends, an
+//! equation of the orbit without that flight.
+
+use super::events::unfollowed;
+use super::graze::{LEAST_HEIGHT, is_told, moved};
+use super::holds::{Broken, is_broken};
+use super::touch::{STAYS, Touched, VANISHED};
+use crate::analysis::continuation::{Condition, Curve, Problem, Station, newton, tangent};
+use crate::analysis::periodic::branch::Point;
+use crate::analysis::periodic::branch::walker::{Stop, Walker};
+use crate::analysis::periodic::condition::Bordered;
+use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
+use crate::analysis::periodic::cycle::rotate::rotate;
+use crate::analysis::periodic::error::PeriodicError;
+use crate::analysis::periodic::shooting::Shooting;
+use crate::analysis::periodic::solved::Solved;
+use crate::flow::leg::{Jump, LegKind};
+use crate::flow::{Grip, GuardKind, Settings};
+
+/// A flight from an impact to rest that takes less than this part of the period is about to come to nothing.
+const SHORT: f64 = 1e-2;
+/// The force of a contact vanishes first where a step ends if it does no farther away than this part of the longest step.
+const AT_ITS_END: f64 = 1e-6;
+/// Special points are looked for up to the first of these parts of the way to there.
+const NEARLY: [f64; 3] = [0.9, 0.5, 0.1];
+
+/// Where a contact rests: the step, the contact, and at which of the step's ends there is a flight, or may be.
+#[derive(Clone, Copy, Debug)]
+struct Rests {
+    index: usize,
+    contact: usize,
+    beside: Beside,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Beside {
+    Start,
+    End,
+}
+
+impl Shooting<f64> {
+    /// The flight that is about to come to nothing, if there is one, the contact that it is off, and where the rest is that it is beside.
+    fn flight_that_vanishes(&self, at: &[f64]) -> Option<(usize, usize, Beside)> {
+        let before =
+            (self.flight_to_rest()).map(|(index, contact)| (index, contact, Beside::Start));
+        let after = || {
+            let (index, contact) = self.flight_to_corner(at)?;
+            Some((index, contact, Beside::End))
+        };
+        before.or_else(after)
+    }
+
+    /// The flight from a release to a corner that would throw the contact off by itself, if it takes no time any more or is no higher than rounding,
+    /// and that contact.
+    fn flight_to_corner(&self, at: &[f64]) -> Option<(usize, usize)> {
+        (0..self.steps.len()).find_map(|index| {
+            let before = self.before(index);
+            let Some(GuardKind::Reaction(contact)) = self.steps[before].ends_at() else {
+                return None;
+            };
+            let lasts = self.latest.get(index)?.duration;
+            let opens = !self.holds(index, contact) && !self.holds(self.after(index), contact);
+            let is_one = opens
+                && before != index
+                && matches!(self.steps[before].passage, Passage::Leg(_))
+                && self.ends_at_corner(index)
+                && (lasts < VANISHED * self.period() || !self.is_high(at, (index, contact)));
+            is_one.then_some((index, contact))
+        })
+    }
+
+    /// Whether a flight ends farther from the contact than rounding tells.
+    fn is_high(&self, at: &[f64], (index, contact): (usize, usize)) -> bool {
+        let model = &self.workshop.model;
+        let parameters = self.workshop.parameters(self.free(at));
+        let end = self.after(index);
+        let gap = model.contacts[contact].gap;
+        let height: f64 = (model.graph).evaluate(gap, self.node(at, end), &parameters);
+        let (_, terms) = self.gap_rate(at, (end, contact));
+        is_told(height.abs(), terms, LEAST_HEIGHT)
+    }
+
+    /// Whether a step ends at a corner of the field, and with nothing else.
+    fn ends_at_corner(&self, index: usize) -> bool {
+        let Passage::Leg(kind) = self.steps[index].passage else {
+            return false;
+        };
+        let corner = matches!(
+            kind.ends_at,
+            Some(GuardKind::Switch(_) | GuardKind::Piece(..))
+        );
+        corner && kind.jump == Jump::None
+    }
+
+    /// The flight from a plastic impact to rest on the same contact that takes next to no time, or less than none, and that contact.
+    fn flight_to_rest(&self) -> Option<(usize, usize)> {
+        let flights = (0..self.steps.len()).filter_map(|index| {
+            let contact = self.steps[index].impact()?;
+            let lasts = self.latest.get(index)?.duration;
+            let rests = self.holds(self.after(index), contact);
+            let is_leg = matches!(self.steps[index].passage, Passage::Leg(_));
+            let is_one = is_leg
+                && rests
+                && !self.holds(index, contact)
+                && lasts < SHORT * self.period()
+                && self.is_plastic((self.before(index), contact));
+            is_one.then_some((index, contact, lasts))
+        });
+        let shortest = flights.min_by(|a, b| a.2.total_cmp(&b.2));
+        shortest.map(|(index, contact, _)| (index, contact))
+    }
+
+    /// Whether such a flight takes no time any more, but for rounding: the equations may be solved by it wherever the curve goes on.
+    pub(in crate::analysis::periodic::branch) fn flight_has_vanished(&self, at: &[f64]) -> bool {
+        self.flight_that_vanishes(at)
+            .is_some_and(|(index, ..)| self.latest[index].duration < VANISHED * self.period())
+    }
+
+    /// Whether what no longer holds is such a flight, or a step beside it.
+    pub(super) fn flight_breaks(&self, at: &[f64], broken: &Broken) -> bool {
+        self.flight_that_vanishes(at).is_some_and(|(index, ..)| {
+            [self.before(index), index, self.after(index)].contains(&broken.step())
+        })
+    }
+
+    /// Whether a contact is closed all along a step.
+    pub(super) fn holds(&self, index: usize, contact: usize) -> bool {
+        let origin = self.workshop.system.origin_of(self.steps[index].mode());
+        origin.is_some_and(|(grip, ..)| grip.closed.contains(contact))
+    }
+
+    /// The same orbit without such a flight, and the step that rests where it was.
+    fn without_flight(
+        &self,
+        at: &[f64],
+        (index, beside): (usize, Beside),
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        match beside {
+            Beside::Start => self.without_flight_to_rest(at, index),
+            Beside::End => self.without_flight_to_corner(at, index),
+        }
+    }
+
+    fn without_flight_to_corner(
+        &self,
+        at: &[f64],
+        index: usize,
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let mut steps = self.current_steps(at);
+        let before = self.before(index);
+        let flight = steps[index].clone();
+        let rest = &mut steps[before];
+        let (Passage::Leg(rests), Passage::Leg(flies)) = (rest.passage, flight.passage) else {
+            return Err(unfollowed("a rest that is no leg"));
+        };
+        rest.passage = Passage::Leg(LegKind {
+            mode: rests.mode,
+            ..flies
+        });
+        rest.duration += flight.duration;
+        rest.closed = flight.closed;
+        rest.told.extend(flight.told);
+        steps.remove(index);
+        let (shorter, at) = self.like(steps, at)?;
+        let last = shorter.steps.len() - 1;
+        Ok((shorter, at, index.checked_sub(1).unwrap_or(last)))
+    }
+
+    fn without_flight_to_rest(
+        &self,
+        at: &[f64],
+        index: usize,
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let mut steps = self.current_steps(at);
+        let mut index = index;
+        if index + 1 == steps.len() {
+            // What rests is to be of the same turn.
+            let parameters = self.workshop.parameters(self.free(at));
+            rotate(
+                &self.workshop,
+                &parameters,
+                (&mut steps, &self.counts),
+                index,
+            )?;
+            index = 0;
+        }
+        let flight = steps.remove(index);
+        let before = index.checked_sub(1).unwrap_or(steps.len() - 1);
+        steps[before].closed = flight.closed;
+        let rest = &mut steps[index];
+        rest.start = flight.start;
+        rest.duration += flight.duration;
+        let (shorter, at) = self.like(steps, at)?;
+        Ok((shorter, at, index))
+    }
+
+    /// The same orbit with a flight of this duration beside a rest, and where its duration stands among the unknowns.
+    fn with_flight(
+        &self,
+        at: &[f64],
+        (rests, duration): (Rests, f64),
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let (longer, at, index) = match rests.beside {
+            Beside::Start => self.with_flight_to_rest(at, (rests, duration))?,
+            Beside::End => self.with_flight_to_corner(at, (rests, duration))?,
+        };
+        let place = longer.duration_place(index);
+        let place = place.ok_or_else(|| unfollowed("a flight without duration"))?;
+        Ok((longer, at, place))
+    }
+
+    /// The mode of a step that rests on a contact, but for that.
+    fn without_contact(&self, rest: &Step, contact: usize) -> Result<usize, PeriodicError> {
+        let Some(LegKind { mode, .. }) = rest.flight() else {
+            return Err(unfollowed("a rest that is no leg"));
+        };
+        let system = &self.workshop.system;
+        let (grip, sides, _) =
+            (system.origin_of(mode)).ok_or_else(|| unfollowed("a mode that holds no motion"))?;
+        let open = Grip {
+            closed: grip.closed.without(contact),
+            idle: grip.idle.without(contact),
+        };
+        let mode = system.meet(open, sides);
+        if system.program(mode).is_none() {
+            return Err(unfollowed("a flight in a mode that holds no motion"));
+        }
+        Ok(mode)
+    }
+
+    /// The contact is released before the corner that the step ends at.
+    fn with_flight_to_corner(
+        &self,
+        at: &[f64],
+        (rests, duration): (Rests, f64),
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let Rests { index, contact, .. } = rests;
+        let mut steps = self.current_steps(at);
+        let mode = self.without_contact(&steps[index], contact)?;
+        let Passage::Leg(kind) = steps[index].passage else {
+            return Err(unfollowed("a rest that is no leg"));
+        };
+        let released = LegKind {
+            ends_at: Some(GuardKind::Reaction(contact)),
+            jump: Jump::None,
+            ..kind
+        };
+        let way = steps[index].duration - duration;
+        let parameters = self.workshop.parameters(self.free(at));
+        let all = self.parameters_of(&parameters, &steps[index]);
+        let start = self.workshop.leg(released).and_then(|leg| {
+            let mut flyer = leg.flyer(&Settings::default());
+            let landing = leg.fly(&mut flyer, &all, self.node(at, index), way).ok()?;
+            Some(landing.image)
+        });
+        let start = start.ok_or_else(|| unfollowed("a rest as short as the flight after it"))?;
+        let rest = steps[index].clone();
+        let rest_alone = Step {
+            passage: Passage::Leg(released),
+            duration: way,
+            closed: self.closed_before(index).without(contact),
+            told: Vec::new(),
+            ..rest.clone()
+        };
+        let flight = Step {
+            passage: Passage::Leg(LegKind { mode, ..kind }),
+            start,
+            duration,
+            ..rest
+        };
+        steps.splice(index..=index, [rest_alone, flight]);
+        let (longer, at) = self.like(steps, at)?;
+        Ok((longer, at, index + 1))
+    }
+
+    /// The contact is struck first where the step begins.
+    fn with_flight_to_rest(
+        &self,
+        at: &[f64],
+        (rests, duration): (Rests, f64),
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let Rests { index, contact, .. } = rests;
+        let mut steps = self.current_steps(at);
+        let mode = self.without_contact(&steps[index], contact)?;
+        let kind = LegKind {
+            mode,
+            ends_at: Some(GuardKind::Gap(contact)),
+            jump: Jump::Impact(contact),
+        };
+        let rest = steps[index].clone();
+        let (kind, pieces) = self.to_impact(at, kind, (&rest.start, &rest));
+        let parameters = self.workshop.parameters(self.free(at));
+        let model = &self.workshop.model;
+        let later = (rest.start.iter().zip(&model.states)).map(|(x, state)| {
+            let rate: f64 = model
+                .graph
+                .evaluate(state.derivative, &rest.start, &parameters);
+            x + duration * rate
+        });
+        let later = later.collect();
+        let flight = Step {
+            passage: Passage::Leg(kind),
+            pieces,
+            duration,
+            told: Vec::new(),
+            closed: self.closed_before(index),
+            ..rest
+        };
+        let before = self.before(index);
+        steps[before].closed = steps[before].closed.without(contact);
+        steps[index].start = later;
+        steps[index].duration -= duration;
+        steps.insert(index, flight);
+        let (longer, at) = self.like(steps, at)?;
+        Ok((longer, at, index))
+    }
+
+    /// Where the force of a contact vanishes as a step begins to rest on it, or as that ends.
+    fn rests_without_force(mut self, start: &[f64], rests: Rests) -> Result<Touched, String> {
+        let Rests { index, contact, .. } = rests;
+        let guard = GuardKind::Reaction(contact);
+        let known = match rests.beside {
+            Beside::Start => self.watch_start(index, guard),
+            Beside::End => self.watch_corner(index, guard),
+        };
+        known.map_err(|error| error.to_string())?;
+        let force = Bordered::Monitor(self.corner_function());
+        let found = self.solved(&force, start);
+        let Solved {
+            at,
+            told,
+            residual,
+            correction,
+            error,
+        } = found.map_err(|error| error.to_string())?;
+        if moved(&at, start, self.scales()) > SHORT {
+            return Err("where a rest is without a force only another place is found".to_owned());
+        }
+        let index = match rests.beside {
+            Beside::Start => self.before(index),
+            Beside::End => index,
+        };
+        Ok(Touched {
+            index,
+            shooting: self,
+            at,
+            told,
+            residual,
+            correction,
+            error,
+            together: None,
+        })
+    }
+}
+
+impl Walker {
+    /// On past where a flight beside a rest comes to nothing, with the rest alone: on the way to a station, so far ahead, or on from the latest one. None
+    /// where there is no such flight.
+    pub(in crate::analysis::periodic::branch) fn flight_ends(
+        &mut self,
+        ahead: Option<(&Station, f64)>,
+        curve: &mut Curve,
+        here: &mut Point,
+    ) -> Option<Stop> {
+        let station = &curve.station.clone();
+        let there = ahead.map_or(station, |(there, _)| there);
+        self.settle(there);
+        let (index, contact, beside) = self.shooting.flight_that_vanishes(&there.at)?;
+        let place = self.shooting.duration_place(index)?;
+        let shrinks = match ahead {
+            Some(_) => there.at[place] < station.at[place],
+            None => station.tangent[place] < 0.0,
+        };
+        if !shrinks {
+            return None;
+        }
+        let without = self.shooting.without_flight(&there.at, (index, beside));
+        let (shorter, guess, index) = without.ok()?;
+        let rests = Rests {
+            index,
+            contact,
+            beside,
+        };
+        let touched = shorter.rests_without_force(&guess, rests).ok()?;
+        self.settle(station);
+        let forward = self.heading_known(station);
+        let (mut resting, at) = (touched.shooting.clone(), touched.at.clone());
+        let there = Station::near(&mut resting, &at, at.len() - 1).ok()?;
+        let next = self.distances().into_iter().find_map(|ahead| {
+            let both = [there.clone(), there.clone().reversed()].map(|there| {
+                let (next, _) = there.ahead(&mut resting, ahead).ok()?;
+                let holds = is_broken(&mut resting, &next.at).is_ok_and(|broken| !broken);
+                holds.then_some(next)
+            });
+            match both {
+                [Some(next), None] | [None, Some(next)] => Some(next),
+                _ => None,
+            }
+        })?;
+        let nearly = ahead.and_then(|(_, ahead)| {
+            NEARLY.into_iter().find_map(|part| {
+                let (nearly, _) = station.ahead(&mut self.shooting, part * ahead).ok()?;
+                self.settle(&nearly);
+                (!self.shooting.flight_has_vanished(&nearly.at)).then_some((nearly, part * ahead))
+            })
+        });
+        if let Some((nearly, ahead)) = nearly {
+            let near = Point::new(&mut self.shooting, &nearly);
+            if let Some(end) = self.between(station, &nearly, ahead, (here, &near)) {
+                return Some(Stop::End(end));
+            }
+        }
+        let there = Point::new(&mut resting, &there);
+        self.shooting = resting;
+        self.note_touch(&there, touched);
+        Some(self.goes_on(Ok(next), (curve, forward), here))
+    }
+
+    /// A rest that begins with a plastic impact loses its force there: a flight comes in. The new equations, at their first station.
+    pub(super) fn flies_from_rest(
+        &mut self,
+        station: &Station,
+        (index, contact): (usize, usize),
+        there: &Point,
+    ) -> Result<Station, String> {
+        self.settle(station);
+        if !self
+            .shooting
+            .is_plastic((self.shooting.before(index), contact))
+        {
+            return Err("what rests there has not begun with a plastic impact".to_owned());
+        }
+        let rests = Rests {
+            index,
+            contact,
+            beside: Beside::Start,
+        };
+        let resting = self.shooting.clone();
+        let touched = resting.rests_without_force(&station.at, rests)?;
+        self.flies_beside(touched, rests, there)
+    }
+
+    /// The force of a contact vanishes just where a corner throws it off: from there on it is released before. The same.
+    pub(super) fn released_before_corner(
+        &mut self,
+        station: &Station,
+        (index, contact): (usize, usize),
+        there: &Point,
+    ) -> Result<Station, String> {
+        self.settle(station);
+        let holds_on = self.shooting.holds(self.shooting.after(index), contact);
+        if holds_on || !self.shooting.ends_at_corner(index) {
+            return Err("no corner throws off what rests there".to_owned());
+        }
+        let rests = Rests {
+            index,
+            contact,
+            beside: Beside::End,
+        };
+        let touched = (self.shooting.clone()).rests_without_force(&station.at, rests)?;
+        // On the way it may vanish before.
+        let scale = self.shooting.scales().last().copied().unwrap_or(1.0);
+        let off = touched
+            .at
+            .last()
+            .map(|value| (value - station.parameter()).abs());
+        let near = AT_ITS_END * self.limits.longest_step * scale + touched.error;
+        if off.is_none_or(|off| off > near) {
+            return Err("the contact is released before that corner".to_owned());
+        }
+        self.flies_beside(touched, rests, there)
+    }
+
+    /// The equations with a flight beside a rest from where that is without a force, at their first station.
+    fn flies_beside(
+        &mut self,
+        touched: Touched,
+        rests: Rests,
+        there: &Point,
+    ) -> Result<Station, String> {
+        let (touch, at) = (touched.shooting.clone(), touched.at.clone());
+        let period = touch.period();
+        let next = STAYS.into_iter().find_map(|part| {
+            let with = (rests, part * period);
+            let (mut longer, guess, place) = touch.with_flight(&at, with).ok()?;
+            let fixed = Condition::fixed(guess.len(), place, guess[place]);
+            let found = newton(&mut longer, &guess, core::slice::from_ref(&fixed)).ok()?;
+            let is_there = moved(&found.at, &guess, longer.scales()) <= SHORT
+                && is_broken(&mut longer, &found.at).is_ok_and(|broken| !broken);
+            let tangent = tangent(&mut longer, &found.at, &fixed.row).ok()?;
+            is_there.then_some((longer, Station::beginning(found, tangent)))
+        });
+        let (longer, next) =
+            next.ok_or("what rests there loses its force, and no flight from it is found")?;
+        self.note_touch(there, touched);
+        self.shooting = longer;
+        Ok(next)
+    }
+}
