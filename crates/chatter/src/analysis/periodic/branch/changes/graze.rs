@@ -19,7 +19,7 @@ const NOT_QUITE: f64 = 1e-5;
 /// This part of a step is no way from where the sequence of events breaks.
 const BESIDE: f64 = 1e-2;
 /// Flights are told from rounding of the gap if they are so many times as high.
-const LEAST_HEIGHT: f64 = 1e4;
+pub(super) const LEAST_HEIGHT: f64 = 1e4;
 /// Where they are no more than so many times as high, that is why no solution is found.
 const SMALL_HEIGHT: f64 = 1e6;
 /// A graze that Newton's method finds farther from where it is looked for, against the size of the orbit, is another one.
@@ -723,7 +723,7 @@ fn gone((from, to): (&Station, &Station)) -> Option<f64> {
 }
 
 /// Whether the height of a flight is more than so many roundoffs of the terms that the gap is the sum of.
-fn is_told(height: f64, terms: f64, roundoffs: f64) -> bool {
+pub(super) fn is_told(height: f64, terms: f64, roundoffs: f64) -> bool {
     height.is_nan() || height > roundoffs * f64::EPSILON * terms
 }
 

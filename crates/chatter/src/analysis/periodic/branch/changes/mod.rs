@@ -8,6 +8,7 @@ mod from_rest;
 pub(super) mod graze;
 pub(super) mod holds;
 pub(super) mod opening;
+mod released;
 mod root;
 pub(super) mod together;
 pub(super) mod touch;
