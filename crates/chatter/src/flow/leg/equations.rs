@@ -138,13 +138,21 @@ impl System {
 
     /// The mode between two events of one instant in the other order, where these lead from mode to mode, the first and then the second: what the
     /// second changes has changed there. None where something opens or closes, or a slide begins or ends, or where it holds no motion.
-    pub(crate) fn in_other_order(&self, [before, between, after]: [usize; 3]) -> Option<usize> {
-        let (grip, mut sides, _) = self.origin_of(before)?;
+    pub(crate) fn in_other_order(&self, modes: [usize; 3]) -> Option<usize> {
+        let [before, between, after] = modes.map(|mode| Some(self.origin_of(mode)?.0));
+        (before? == between? && before? == after?).then(|| self.swapped(modes))?
+    }
+
+    /// The same where one of them may open or close contacts, too.
+    pub(crate) fn swapped(&self, [before, between, after]: [usize; 3]) -> Option<usize> {
+        let (grip_before, mut sides, _) = self.origin_of(before)?;
         let (grip_between, sides_between, _) = self.origin_of(between)?;
         let (grip_after, sides_after, _) = self.origin_of(after)?;
-        if grip != grip_between || grip != grip_after {
-            return None;
-        }
+        let grip = match (grip_before == grip_between, grip_between == grip_after) {
+            (true, _) => grip_after,
+            (false, true) => grip_before,
+            (false, false) => return None,
+        };
         for surface in 0..self.corners().surfaces.len() {
             let all = [sides, sides_between, sides_after].map(|sides| sides.get(surface));
             let changes = all.iter().any(|side| *side != all[0]);

@@ -25,6 +25,11 @@ impl Shooting<f64> {
         Ok(found)
     }
 
+    /// The latest point looked at.
+    pub(crate) fn watching(&self) -> Option<&[f64]> {
+        self.watching.as_deref()
+    }
+
     /// All parameters at the latest point looked at.
     pub(crate) fn latest_parameters(&self) -> Option<Vec<f64>> {
         let at = self.watching.as_ref()?;

@@ -10,3 +10,4 @@ mod rough_walls;
 mod sticks;
 mod surfaces;
 pub(super) mod touches;
+mod turns_at_release;

@@ -147,6 +147,9 @@ pub(crate) fn broken(shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Vec<Brok
             if least.value >= 0.0 || beyond.is_some_and(|last| core::ptr::eq(last, least)) {
                 continue;
             }
+            if shooting.is_just_released(index, least) {
+                continue;
+            }
             // What vanishes with the event itself is left to the next step.
             let is_known = least.value < -NOTHING * size(least.guard);
             // Where roots have no slope beyond their surface, the rate with which that is met turns there: the event, and no way beyond it.

@@ -8,6 +8,7 @@ pub(super) mod events;
 pub(super) mod graze;
 pub(super) mod holds;
 pub(super) mod opening;
+mod released;
 mod root;
 mod strike;
 pub(super) mod together;
