@@ -209,14 +209,17 @@ impl<R: Real> Shooting<R> {
     /// Whether of two events one is that a contact is released, and the other that its sliding turns: where its force vanishes, so does friction.
     fn turns_at_release(&self, one: LegKind, other: LegKind) -> bool {
         let is_pair = |release: LegKind, turn: LegKind| match (release.ends_at, turn.ends_at) {
-            (Some(GuardKind::Reaction(contact)), Some(GuardKind::Switch(surface))) => {
-                let rubbing = self.workshop.system.rubbing_at(contact);
-                rubbing.is_some_and(|rubbing| rubbing.surface == surface)
-            }
+            (Some(GuardKind::Reaction(contact)), Some(turn)) => self.is_turn(contact, turn),
             _ => false,
         };
         let plain = one.jump == Jump::None && other.jump == Jump::None;
         plain && (is_pair(one, other) || is_pair(other, one))
+    }
+
+    /// Whether what a step ends at is that the sliding of a contact turns.
+    pub(crate) fn is_turn(&self, contact: usize, ends_at: GuardKind) -> bool {
+        let rubbing = self.workshop.system.rubbing_at(contact);
+        rubbing.is_some_and(|rubbing| ends_at == GuardKind::Switch(rubbing.surface))
     }
 }
 

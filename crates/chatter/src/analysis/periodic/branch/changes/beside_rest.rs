@@ -72,7 +72,7 @@ impl Shooting<f64> {
             let is_one = opens
                 && before != index
                 && matches!(self.steps[before].passage, Passage::Leg(_))
-                && self.ends_at_corner(index)
+                && self.ends_at_corner(index, contact)
                 && (lasts < VANISHED * self.period() || !self.is_high(at, (index, contact)));
             is_one.then_some((index, contact))
         })
@@ -89,8 +89,9 @@ impl Shooting<f64> {
         is_told(height.abs(), terms, LEAST_HEIGHT)
     }
 
-    /// Whether a step ends at a corner of the field, and with nothing else.
-    fn ends_at_corner(&self, index: usize) -> bool {
+    /// Whether a step ends at a corner of the field that may throw a contact off, and with nothing else: not where the sliding of that contact turns,
+    /// which has no friction once it is released.
+    fn ends_at_corner(&self, index: usize, contact: usize) -> bool {
         let Passage::Leg(kind) = self.steps[index].passage else {
             return false;
         };
@@ -98,7 +99,8 @@ impl Shooting<f64> {
             kind.ends_at,
             Some(GuardKind::Switch(_) | GuardKind::Piece(..))
         );
-        corner && kind.jump == Jump::None
+        let turns = || { kind.ends_at }.is_some_and(|guard| self.is_turn(contact, guard));
+        corner && kind.jump == Jump::None && !turns()
     }
 
     /// The flight from a plastic impact to rest on the same contact that takes next to no time, or less than none, and that contact.
@@ -458,7 +460,7 @@ impl Walker {
     ) -> Result<Station, String> {
         self.settle(station);
         let holds_on = self.shooting.holds(self.shooting.after(index), contact);
-        if holds_on || !self.shooting.ends_at_corner(index) {
+        if holds_on || !self.shooting.ends_at_corner(index, contact) {
             return Err("no corner throws off what rests there".to_owned());
         }
         let rests = Rests {
