@@ -86,6 +86,6 @@ fn a_doubling_just_before_a_branch_of_doubled_orbits_ends_is_told() {
     let [special] = there.collect::<Vec<_>>()[..] else {
         panic!("not one doubling");
     };
-    let off = (value(special) - 2.479_406_512_161_433_58).abs();
+    let off = (value(special) - 2.479_406_512_161_433_7).abs();
     assert!(off <= special.error && special.error < 1e-14, "{special:?}");
 }

@@ -1,7 +1,7 @@
 //! Contacts that were released a moment ago, where a corner of the field follows or ends that moment, as where their sliding turns. A gap opens from no
 //! rate and no acceleration: at a corner that comes so soon what there is of it is rounding, of either sign.
 
-use super::graze::{LEAST_HEIGHT, is_told};
+use crate::analysis::periodic::branch::changes::graze::{LEAST_HEIGHT, is_told};
 use crate::analysis::periodic::cycle::itinerary::Passage;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::flow::GuardKind;
@@ -9,7 +9,11 @@ use crate::flow::leg::{Jump, Least};
 
 impl Shooting<f64> {
     /// Whether a least value on a step is that of a gap which has opened by no more than rounding, before or after a corner.
-    pub(super) fn is_just_released(&self, index: usize, least: &Least) -> bool {
+    pub(in crate::analysis::periodic::branch) fn is_just_released(
+        &self,
+        index: usize,
+        least: &Least,
+    ) -> bool {
         let GuardKind::Gap(contact) = least.guard else {
             return false;
         };

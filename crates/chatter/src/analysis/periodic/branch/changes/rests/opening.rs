@@ -1,8 +1,8 @@
 //! Where a contact at rest begins to open for a while, or no longer does.
 
-use super::touch::Touched;
 use crate::analysis::continuation::{Curve, Problem, Station};
 use crate::analysis::periodic::branch::Point;
+use crate::analysis::periodic::branch::changes::touch::Touched;
 use crate::analysis::periodic::branch::limits::End;
 use crate::analysis::periodic::branch::onward::{CAREFUL, Wanted, touch_between};
 use crate::analysis::periodic::branch::walker::{Stop, Walker};
@@ -19,7 +19,7 @@ const THERE: f64 = 1e-6;
 impl Walker {
     /// The force of a closed contact touches zero: beyond, the contact opens for a while, and closes again by chatter that begins
     /// with nothing. The equations there, at a station a little farther on.
-    pub(super) fn opens(
+    pub(in crate::analysis::periodic::branch) fn opens(
         &mut self,
         station: &Station,
         touch: (usize, &Least),
@@ -40,7 +40,7 @@ impl Walker {
     }
 
     /// The same where that force vanishes just where a step begins or ends, as where friction turns.
-    pub(super) fn opens_at_event(
+    pub(in crate::analysis::periodic::branch) fn opens_at_event(
         &mut self,
         station: &Station,
         (index, contact): (usize, usize),

@@ -1,6 +1,7 @@
 //! Where a flight beside a rest comes to nothing: before it, or after it.
 //!
-//! What a plastic impact leaves flies on for a while and lands again, or stays where it is. From no rate, with the acceleration a and the jerk j < 0, it lands after the time -3a/j with a rate in proportion to a^2. As a vanishes so does the
+//! What a plastic impact leaves flies on for a while and lands again, or stays where it is. From no rate, with the acceleration a and the jerk j < 0, it
+//! lands after the time -3a/j with a rate in proportion to a^2. As a vanishes so does the
 //! flight, and beyond the contact holds from the first impact on. With the flight the equations are solved by one of no time as well, whatever a is;
 //! without it nothing is singular. So the touch is where the contact force vanishes as the rest begins, an equation of the orbit without that flight;
 //! and on the other side the curve begins with a flight of a given short time.
@@ -10,21 +11,19 @@
 //! a square root where the force is least there, and so it is the other way round: the touch is where the contact force vanishes as the rest ends, an
 //! equation of the orbit without that flight.
 
-use super::events::unfollowed;
-use super::graze::{LEAST_HEIGHT, is_told, moved};
-use super::holds::{Broken, is_broken};
-use super::touch::{STAYS, Touched, VANISHED};
+use super::flights::{Beside, Rests};
 use crate::analysis::continuation::{Condition, Curve, Problem, Station, newton, tangent};
 use crate::analysis::periodic::branch::Point;
+use crate::analysis::periodic::branch::changes::graze::{LEAST_HEIGHT, is_told, moved};
+use crate::analysis::periodic::branch::changes::holds::{Broken, is_broken};
+use crate::analysis::periodic::branch::changes::touch::{STAYS, Touched, VANISHED};
 use crate::analysis::periodic::branch::walker::{Stop, Walker};
 use crate::analysis::periodic::condition::Bordered;
-use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
-use crate::analysis::periodic::cycle::rotate::rotate;
-use crate::analysis::periodic::error::PeriodicError;
+use crate::analysis::periodic::cycle::itinerary::Passage;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::analysis::periodic::solved::Solved;
-use crate::flow::leg::{Jump, LegKind};
-use crate::flow::{Grip, GuardKind, Settings};
+use crate::flow::GuardKind;
+use crate::flow::leg::Jump;
 
 /// A flight from an impact to rest that takes less than this part of the period is about to come to nothing.
 const SHORT: f64 = 1e-2;
@@ -32,20 +31,6 @@ const SHORT: f64 = 1e-2;
 const AT_ITS_END: f64 = 1e-6;
 /// Special points are looked for up to the first of these parts of the way to there.
 const NEARLY: [f64; 3] = [0.9, 0.5, 0.1];
-
-/// Where a contact rests: the step, the contact, and at which of the step's ends there is a flight, or may be.
-#[derive(Clone, Copy, Debug)]
-struct Rests {
-    index: usize,
-    contact: usize,
-    beside: Beside,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Beside {
-    Start,
-    End,
-}
 
 impl Shooting<f64> {
     /// The flight that is about to come to nothing, if there is one, the contact that it is off, and where the rest is that it is beside.
@@ -128,202 +113,24 @@ impl Shooting<f64> {
     }
 
     /// Whether what no longer holds is such a flight, or a step beside it.
-    pub(super) fn flight_breaks(&self, at: &[f64], broken: &Broken) -> bool {
+    pub(in crate::analysis::periodic::branch) fn flight_breaks(
+        &self,
+        at: &[f64],
+        broken: &Broken,
+    ) -> bool {
         self.flight_that_vanishes(at).is_some_and(|(index, ..)| {
             [self.before(index), index, self.after(index)].contains(&broken.step())
         })
     }
 
     /// Whether a contact is closed all along a step.
-    pub(super) fn holds(&self, index: usize, contact: usize) -> bool {
+    pub(in crate::analysis::periodic::branch) fn holds(
+        &self,
+        index: usize,
+        contact: usize,
+    ) -> bool {
         let origin = self.workshop.system.origin_of(self.steps[index].mode());
         origin.is_some_and(|(grip, ..)| grip.closed.contains(contact))
-    }
-
-    /// The same orbit without such a flight, and the step that rests where it was.
-    fn without_flight(
-        &self,
-        at: &[f64],
-        (index, beside): (usize, Beside),
-    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
-        match beside {
-            Beside::Start => self.without_flight_to_rest(at, index),
-            Beside::End => self.without_flight_to_corner(at, index),
-        }
-    }
-
-    fn without_flight_to_corner(
-        &self,
-        at: &[f64],
-        index: usize,
-    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
-        let mut steps = self.current_steps(at);
-        let before = self.before(index);
-        let flight = steps[index].clone();
-        let rest = &mut steps[before];
-        let (Passage::Leg(rests), Passage::Leg(flies)) = (rest.passage, flight.passage) else {
-            return Err(unfollowed("a rest that is no leg"));
-        };
-        rest.passage = Passage::Leg(LegKind {
-            mode: rests.mode,
-            ..flies
-        });
-        rest.duration += flight.duration;
-        rest.closed = flight.closed;
-        rest.told.extend(flight.told);
-        steps.remove(index);
-        let (shorter, at) = self.like(steps, at)?;
-        let last = shorter.steps.len() - 1;
-        Ok((shorter, at, index.checked_sub(1).unwrap_or(last)))
-    }
-
-    fn without_flight_to_rest(
-        &self,
-        at: &[f64],
-        index: usize,
-    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
-        let mut steps = self.current_steps(at);
-        let mut index = index;
-        if index + 1 == steps.len() {
-            // What rests is to be of the same turn.
-            let parameters = self.workshop.parameters(self.free(at));
-            rotate(
-                &self.workshop,
-                &parameters,
-                (&mut steps, &self.counts),
-                index,
-            )?;
-            index = 0;
-        }
-        let flight = steps.remove(index);
-        let before = index.checked_sub(1).unwrap_or(steps.len() - 1);
-        steps[before].closed = flight.closed;
-        let rest = &mut steps[index];
-        rest.start = flight.start;
-        rest.duration += flight.duration;
-        let (shorter, at) = self.like(steps, at)?;
-        Ok((shorter, at, index))
-    }
-
-    /// The same orbit with a flight of this duration beside a rest, and where its duration stands among the unknowns.
-    fn with_flight(
-        &self,
-        at: &[f64],
-        (rests, duration): (Rests, f64),
-    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
-        let (longer, at, index) = match rests.beside {
-            Beside::Start => self.with_flight_to_rest(at, (rests, duration))?,
-            Beside::End => self.with_flight_to_corner(at, (rests, duration))?,
-        };
-        let place = longer.duration_place(index);
-        let place = place.ok_or_else(|| unfollowed("a flight without duration"))?;
-        Ok((longer, at, place))
-    }
-
-    /// The mode of a step that rests on a contact, but for that.
-    fn without_contact(&self, rest: &Step, contact: usize) -> Result<usize, PeriodicError> {
-        let Some(LegKind { mode, .. }) = rest.flight() else {
-            return Err(unfollowed("a rest that is no leg"));
-        };
-        let system = &self.workshop.system;
-        let (grip, sides, _) =
-            (system.origin_of(mode)).ok_or_else(|| unfollowed("a mode that holds no motion"))?;
-        let open = Grip {
-            closed: grip.closed.without(contact),
-            idle: grip.idle.without(contact),
-        };
-        let mode = system.meet(open, sides);
-        if system.program(mode).is_none() {
-            return Err(unfollowed("a flight in a mode that holds no motion"));
-        }
-        Ok(mode)
-    }
-
-    /// The contact is released before the corner that the step ends at.
-    fn with_flight_to_corner(
-        &self,
-        at: &[f64],
-        (rests, duration): (Rests, f64),
-    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
-        let Rests { index, contact, .. } = rests;
-        let mut steps = self.current_steps(at);
-        let mode = self.without_contact(&steps[index], contact)?;
-        let Passage::Leg(kind) = steps[index].passage else {
-            return Err(unfollowed("a rest that is no leg"));
-        };
-        let released = LegKind {
-            ends_at: Some(GuardKind::Reaction(contact)),
-            jump: Jump::None,
-            ..kind
-        };
-        let way = steps[index].duration - duration;
-        let parameters = self.workshop.parameters(self.free(at));
-        let all = self.parameters_of(&parameters, &steps[index]);
-        let start = self.workshop.leg(released).and_then(|leg| {
-            let mut flyer = leg.flyer(&Settings::default());
-            let landing = leg.fly(&mut flyer, &all, self.node(at, index), way).ok()?;
-            Some(landing.image)
-        });
-        let start = start.ok_or_else(|| unfollowed("a rest as short as the flight after it"))?;
-        let rest = steps[index].clone();
-        let rest_alone = Step {
-            passage: Passage::Leg(released),
-            duration: way,
-            closed: self.closed_before(index).without(contact),
-            told: Vec::new(),
-            ..rest.clone()
-        };
-        let flight = Step {
-            passage: Passage::Leg(LegKind { mode, ..kind }),
-            start,
-            duration,
-            ..rest
-        };
-        steps.splice(index..=index, [rest_alone, flight]);
-        let (longer, at) = self.like(steps, at)?;
-        Ok((longer, at, index + 1))
-    }
-
-    /// The contact is struck first where the step begins.
-    fn with_flight_to_rest(
-        &self,
-        at: &[f64],
-        (rests, duration): (Rests, f64),
-    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
-        let Rests { index, contact, .. } = rests;
-        let mut steps = self.current_steps(at);
-        let mode = self.without_contact(&steps[index], contact)?;
-        let kind = LegKind {
-            mode,
-            ends_at: Some(GuardKind::Gap(contact)),
-            jump: Jump::Impact(contact),
-        };
-        let rest = steps[index].clone();
-        let (kind, pieces) = self.to_impact(at, kind, (&rest.start, &rest));
-        let parameters = self.workshop.parameters(self.free(at));
-        let model = &self.workshop.model;
-        let later = (rest.start.iter().zip(&model.states)).map(|(x, state)| {
-            let rate: f64 = model
-                .graph
-                .evaluate(state.derivative, &rest.start, &parameters);
-            x + duration * rate
-        });
-        let later = later.collect();
-        let flight = Step {
-            passage: Passage::Leg(kind),
-            pieces,
-            duration,
-            told: Vec::new(),
-            closed: self.closed_before(index),
-            ..rest
-        };
-        let before = self.before(index);
-        steps[before].closed = steps[before].closed.without(contact);
-        steps[index].start = later;
-        steps[index].duration -= duration;
-        steps.insert(index, flight);
-        let (longer, at) = self.like(steps, at)?;
-        Ok((longer, at, index))
     }
 
     /// Where the force of a contact vanishes as a step begins to rest on it, or as that ends.
@@ -428,7 +235,7 @@ impl Walker {
     }
 
     /// A rest that begins with a plastic impact loses its force there: a flight comes in. The new equations, at their first station.
-    pub(super) fn flies_from_rest(
+    pub(in crate::analysis::periodic::branch) fn flies_from_rest(
         &mut self,
         station: &Station,
         (index, contact): (usize, usize),
@@ -452,7 +259,7 @@ impl Walker {
     }
 
     /// The force of a contact vanishes just where a corner throws it off: from there on it is released before. The same.
-    pub(super) fn released_before_corner(
+    pub(in crate::analysis::periodic::branch) fn released_before_corner(
         &mut self,
         station: &Station,
         (index, contact): (usize, usize),
