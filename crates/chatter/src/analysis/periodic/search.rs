@@ -1,6 +1,6 @@
 //! Every periodic orbit that Newton's method finds from many starts, stable or not.
 
-use super::branch::{Broken, broken, is_broken};
+use super::branch::{Broken, broken, sequence_holds};
 use super::cycle::reread::reread;
 use super::cycle::settle::Patience;
 use super::cycle::settle::loops::loops;
@@ -227,7 +227,7 @@ const BLURRED: f64 = 1e9;
 /// Whether a solution is a motion of the system: its events in their order, and, where a period is short enough to tell, the motion
 /// from its start comes back there. A jump may take a state across a surface where no leg of the cycle looks.
 fn is_motion(workshop: &Workshop, orbit: &mut Orbit) -> bool {
-    if !is_broken(&mut orbit.shooting, &orbit.at).is_ok_and(|broken| !broken) {
+    if !sequence_holds(&mut orbit.shooting, &orbit.at) {
         return false;
     }
     let largest = (orbit.multipliers.iter()).fold(0.0, |most: f64, m| most.max(m.modulus()));

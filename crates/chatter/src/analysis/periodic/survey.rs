@@ -3,8 +3,8 @@
 
 use super::aside::Aside;
 use super::branch::{
-    Branch, End, Limits, Near, Point, Seed, Special, SpecialKind, Wanted, beside, broken_beside,
-    follow,
+    Branch, End, Limits, Near, Point, Seed, Special, SpecialKind, Wanted, beside, follow,
+    sequence_holds,
 };
 use super::cycle::itinerary::Step;
 use super::cycle::settle::Patience;
@@ -415,13 +415,10 @@ const fn is_left_at(kind: SpecialKind) -> bool {
 /// An orbit on the branch that leaves another at a special point: once, or twice around it. Beyond where events come or go equations have
 /// solutions that are no motion, and such a place may be near.
 fn leaving(special: &Special, sign: f64) -> Option<(Shooting<f64>, Vec<f64>)> {
-    let is_motion = |(shooting, at): &mut (Shooting<f64>, Vec<f64>)| {
-        broken_beside(shooting, at, None).is_ok_and(|broken| broken.is_empty())
-    };
     let all = ASIDE.iter().map(|&far| leaving_by(special, sign, far));
-    let motion = all
-        .flatten()
-        .find_map(|mut there| is_motion(&mut there).then_some(there));
+    let motion = (all.flatten()).find_map(|(mut shooting, at)| {
+        sequence_holds(&mut shooting, &at).then_some((shooting, at))
+    });
     motion.or_else(|| leaving_by(special, sign, ASIDE[0]))
 }
 

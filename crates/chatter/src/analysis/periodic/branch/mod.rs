@@ -57,7 +57,7 @@ pub use special::{Special, SpecialKind};
 pub(super) use branch_point::interpolated;
 pub(super) use changes::graze::moved;
 pub(crate) use changes::holds::{
-    Broken, broken, broken_beside, first_break, is_broken, least_beside, smallest,
+    Broken, broken, broken_beside, first_break, is_broken, least_beside, sequence_holds, smallest,
 };
 pub(super) use changes::touch::{STAYS, Stay, VANISHED};
 pub(super) use ends::returns::{Began, passages, returned};

@@ -1,7 +1,7 @@
 //! Where a branch goes on past what its equations can say, and where it may not go on.
 
 use super::changes::graze::{THERE, moved};
-use super::changes::holds::is_broken;
+use super::changes::holds::sequence_holds;
 use super::changes::touch::{NO_TIME, Touched};
 use super::walker::Walker;
 use super::{Limits, Point, Seed, SpecialKind};
@@ -365,8 +365,8 @@ impl Walker {
                 return None;
             }
             // What solves the equations beyond may be no motion any more.
-            let is_motion = is_broken(&mut orbit.shooting, &orbit.at).is_ok_and(|broken| !broken);
-            if !is_motion || !(wanted.is_it)(&orbit) {
+            let holds = sequence_holds(&mut orbit.shooting, &orbit.at);
+            if !holds || !(wanted.is_it)(&orbit) {
                 return None;
             }
             let (mut shooting, at) = orbit.shooting.without_section(orbit.at);
@@ -428,18 +428,26 @@ fn begins(
     steps.remove(index);
     let (mut shorter, guess) = shooting.like(steps, at).ok()?;
     let there = Station::near(&mut shorter, &guess, guess.len() - 1).ok()?;
-    let next = distances.iter().find_map(|&ahead| {
+    let next = side_that_holds(&mut shorter, &there, distances)?;
+    Some((shorter, next))
+}
+
+/// The station at the first of these distances, to either side of another, at which the sequence of events holds on one side alone.
+pub(super) fn side_that_holds(
+    shooting: &mut Shooting<f64>,
+    there: &Station,
+    distances: &[f64],
+) -> Option<Station> {
+    distances.iter().find_map(|&ahead| {
         let both = [there.clone(), there.clone().reversed()].map(|there| {
-            let (next, _) = there.ahead(&mut shorter, ahead).ok()?;
-            let holds = is_broken(&mut shorter, &next.at).is_ok_and(|broken| !broken);
-            holds.then_some(next)
+            let (next, _) = there.ahead(shooting, ahead).ok()?;
+            sequence_holds(shooting, &next.at).then_some(next)
         });
         match both {
             [Some(next), None] | [None, Some(next)] => Some(next),
             _ => None,
         }
-    })?;
-    Some((shorter, next))
+    })
 }
 
 /// Where, between two values of the parameter, the smallest of such guards touches zero on an orbit that does not meet it.

@@ -4,7 +4,7 @@
 //! is not simple. With both they have a simple one.
 
 use super::graze::{THERE, moved};
-use super::holds::is_broken;
+use super::holds::sequence_holds;
 use super::touch::{STAYS, Touched};
 use crate::analysis::continuation::{
     Coincidence, Coincident, Condition, Curve, Problem, Station, coincidence, newton, tangent,
@@ -175,7 +175,7 @@ impl Together {
         let found = newton(&mut longer, &guess, core::slice::from_ref(&fixed));
         let found = found.map_err(|error| told(&error))?;
         let is_there = moved(&found.at, &guess, longer.scales()) <= THERE
-            && is_broken(&mut longer, &found.at).is_ok_and(|broken| !broken);
+            && sequence_holds(&mut longer, &found.at);
         if !is_there {
             return Err("no motion slips on where friction would have to hold too much".to_owned());
         }
@@ -216,7 +216,7 @@ impl Together {
             let (next, _) = there.ahead(&mut shorter, ahead).ok()?;
             let expected = along(&there.at, &there.tangent, ahead);
             let off = next.distance(&expected, shorter.scales());
-            let holds = is_broken(&mut shorter, &next.at).is_ok_and(|broken| !broken);
+            let holds = sequence_holds(&mut shorter, &next.at);
             (holds && off <= MOST_ASKEW * ahead).then_some(next)
         });
         let farthest = found.next()?;

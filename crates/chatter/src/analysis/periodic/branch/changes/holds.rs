@@ -296,6 +296,11 @@ pub(crate) fn is_broken(shooting: &mut Shooting<f64>, at: &[f64]) -> Result<bool
     Ok(!broken(shooting, &least).is_empty())
 }
 
+/// Whether they have a value there, and the motion has that sequence of events.
+pub(crate) fn sequence_holds(shooting: &mut Shooting<f64>, at: &[f64]) -> bool {
+    is_broken(shooting, at).is_ok_and(|broken| !broken)
+}
+
 /// This part of a leg before a graze, or after it, is the touch itself.
 const AT_TOUCH: f64 = 1e-5;
 

@@ -4,7 +4,7 @@
 use super::coincidence::Together;
 use super::events::unfollowed;
 use super::graze::{THERE, moved};
-use super::holds::is_broken;
+use super::holds::sequence_holds;
 use crate::analysis::continuation::{
     Condition, Left, NewtonError, Problem, Station, newton, tangent,
 };
@@ -658,7 +658,7 @@ impl Walker {
             };
             // What is solved elsewhere has nothing to do with the touch, and what is solved by no motion is none.
             let is_there = moved(&stays.at, &guess, longer.scales()) <= THERE
-                && is_broken(&mut longer, &stays.at).is_ok_and(|broken| !broken);
+                && sequence_holds(&mut longer, &stays.at);
             if !is_there {
                 continue;
             }

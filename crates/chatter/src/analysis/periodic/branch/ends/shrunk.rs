@@ -13,7 +13,7 @@
 
 use super::equilibrium::Equilibria;
 use crate::analysis::continuation::{Problem, Station};
-use crate::analysis::periodic::branch::changes::holds::is_broken;
+use crate::analysis::periodic::branch::changes::holds::sequence_holds;
 use crate::analysis::periodic::branch::walker::Walker;
 use crate::analysis::periodic::condition::Bordered;
 use crate::analysis::periodic::shooting::Shooting;
@@ -86,7 +86,7 @@ impl Walker {
             } = shooting.solved(&level, &at).ok()?;
             let speed = shooting.speed(&found)? / (start * part);
             let shrinks = (1.0 / IN_PROPORTION..=IN_PROPORTION).contains(&speed);
-            if !shrinks || is_broken(&mut shooting, &found).unwrap_or(true) {
+            if !shrinks || !sequence_holds(&mut shooting, &found) {
                 return None;
             }
             values.push(*told.last()?);

@@ -15,8 +15,9 @@ use super::flights::{Beside, Rests};
 use crate::analysis::continuation::{Condition, Curve, Problem, Station, newton, tangent};
 use crate::analysis::periodic::branch::Point;
 use crate::analysis::periodic::branch::changes::graze::{LEAST_HEIGHT, is_told, moved};
-use crate::analysis::periodic::branch::changes::holds::{Broken, is_broken};
+use crate::analysis::periodic::branch::changes::holds::{Broken, sequence_holds};
 use crate::analysis::periodic::branch::changes::touch::{STAYS, Touched, VANISHED};
+use crate::analysis::periodic::branch::onward::side_that_holds;
 use crate::analysis::periodic::branch::walker::{Stop, Walker};
 use crate::analysis::periodic::condition::Bordered;
 use crate::analysis::periodic::cycle::itinerary::Passage;
@@ -204,17 +205,7 @@ impl Walker {
         let forward = self.heading_known(station);
         let (mut resting, at) = (touched.shooting.clone(), touched.at.clone());
         let there = Station::near(&mut resting, &at, at.len() - 1).ok()?;
-        let next = self.distances().into_iter().find_map(|ahead| {
-            let both = [there.clone(), there.clone().reversed()].map(|there| {
-                let (next, _) = there.ahead(&mut resting, ahead).ok()?;
-                let holds = is_broken(&mut resting, &next.at).is_ok_and(|broken| !broken);
-                holds.then_some(next)
-            });
-            match both {
-                [Some(next), None] | [None, Some(next)] => Some(next),
-                _ => None,
-            }
-        })?;
+        let next = side_that_holds(&mut resting, &there, &self.distances())?;
         let nearly = ahead.and_then(|(_, ahead)| {
             NEARLY.into_iter().find_map(|part| {
                 let (nearly, _) = station.ahead(&mut self.shooting, part * ahead).ok()?;
@@ -304,7 +295,7 @@ impl Walker {
             let fixed = Condition::fixed(guess.len(), place, guess[place]);
             let found = newton(&mut longer, &guess, core::slice::from_ref(&fixed)).ok()?;
             let is_there = moved(&found.at, &guess, longer.scales()) <= SHORT
-                && is_broken(&mut longer, &found.at).is_ok_and(|broken| !broken);
+                && sequence_holds(&mut longer, &found.at);
             let tangent = tangent(&mut longer, &found.at, &fixed.row).ok()?;
             is_there.then_some((longer, Station::beginning(found, tangent)))
         });
