@@ -1,7 +1,8 @@
 //! Constants of tapes in lanes.
 
 use crate::expressions::Tape;
-use crate::flow::modes::program::{ImpactTape, Program, ProgramConstants};
+use crate::flow::modes::at_contacts::ImpactTape;
+use crate::flow::modes::program::{Program, ProgramConstants};
 use crate::flow::system::System;
 use crate::numerics::Wide;
 

@@ -5,9 +5,10 @@ use super::WIDTH;
 use super::cohort::{Cohort, Start};
 use super::rows::{Places, Rows};
 use super::shared::Shared;
+use crate::flow::modes::at_contacts::IMPACT_SCALARS;
 use crate::flow::modes::closed::Closed;
 use crate::flow::modes::guard::Transition;
-use crate::flow::modes::program::{IMPACT_SCALARS, Program};
+use crate::flow::modes::program::Program;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::step::flight::{
     Flight, Outcome, largest, plan, reaches, remaining, rest_of_sequence,

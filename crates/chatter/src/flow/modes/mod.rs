@@ -4,9 +4,11 @@
 //! them have 2^n such sets and more, of which a motion meets few: so none is compiled in advance. Every mode is derived from the same expressions, whatever modes were met before it, so that its
 //! results do not depend on the order of meeting, nor on threads.
 
+pub(super) mod at_contacts;
 pub(super) mod closed;
 pub(super) mod equations;
 pub(super) mod guard;
+mod guarded;
 pub(super) mod limits;
 pub(super) mod looked_up;
 pub(super) mod program;

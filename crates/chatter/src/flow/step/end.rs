@@ -3,8 +3,9 @@
 use super::flight::later;
 use super::{FOREVER, Workspace};
 use crate::expressions::{ORDER_CLASSES, Tape};
+use crate::flow::modes::at_contacts::IMPACT_SCALARS;
 use crate::flow::modes::guard::Transition;
-use crate::flow::modes::program::{IMPACT_SCALARS, Program};
+use crate::flow::modes::program::Program;
 use crate::numerics::dispatch::{Kernel, dispatch_narrow};
 use crate::numerics::polynomial::horner;
 use crate::numerics::{Mask, Scalar, two_sum};

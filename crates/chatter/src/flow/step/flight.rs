@@ -7,7 +7,7 @@
 
 use super::{FOREVER, ORDER_CLASSES, legal_rates};
 use crate::flow::chatter::is_far_from_border;
-use crate::flow::modes::program::IMPACT_SCALARS;
+use crate::flow::modes::at_contacts::IMPACT_SCALARS;
 use crate::numerics::{Real, Scalar, two_sum};
 
 /// An order is used up to this part of the time that it reaches: a prediction is not exact.

@@ -13,7 +13,8 @@ pub(super) mod resolve;
 mod single;
 
 use super::chatter::Tail;
-use super::modes::program::{IMPACT_SCALARS, Program};
+use super::modes::at_contacts::IMPACT_SCALARS;
+use super::modes::program::Program;
 use super::system::Settings;
 use super::touching::Touching;
 use crate::expressions::{Expansion, MAX_ORDER, Operand, Tape};

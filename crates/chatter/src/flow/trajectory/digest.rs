@@ -3,9 +3,10 @@
 use super::{StepResult, Trajectory};
 use crate::expressions::Surfaces;
 use crate::flow::error::FlowError;
+use crate::flow::modes::at_contacts::IMPACT_SCALARS;
 use crate::flow::modes::closed::Closed;
 use crate::flow::modes::guard::Transition;
-use crate::flow::modes::program::{IMPACT_SCALARS, Program};
+use crate::flow::modes::program::Program;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::step::flight::Outcome;
 use crate::flow::step::{FOREVER, Workspace};

@@ -3,9 +3,10 @@
 use super::{StepResult, Trajectory};
 use crate::expressions::Surfaces;
 use crate::flow::chatter::REMEMBERED;
+use crate::flow::modes::at_contacts::IMPACT_SCALARS;
 use crate::flow::modes::closed::Closed;
 use crate::flow::modes::guard::{Guard, Transition};
-use crate::flow::modes::program::{IMPACT_SCALARS, Program};
+use crate::flow::modes::program::Program;
 use crate::flow::step::flight::{Course, Flight, Outcome, largest, rest_of_sequence};
 use crate::flow::system::System;
 use crate::flow::touching::{Left, Touching};

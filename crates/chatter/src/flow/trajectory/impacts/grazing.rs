@@ -5,7 +5,7 @@
 //! roundoffs of that, which add up from one such time to the next like the steps of a random walk.
 
 use crate::flow::error::FlowError;
-use crate::flow::modes::program::IMPACT_SCALARS;
+use crate::flow::modes::at_contacts::IMPACT_SCALARS;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::step::FOREVER;
 use crate::flow::system::System;

@@ -6,9 +6,10 @@
 
 use crate::flow::chatter::Turn;
 use crate::flow::error::FlowError;
+use crate::flow::modes::at_contacts::IMPACT_SCALARS;
 use crate::flow::modes::closed::Closed;
 use crate::flow::modes::limits::Corner;
-use crate::flow::modes::program::{IMPACT_SCALARS, ProgramConstants};
+use crate::flow::modes::program::ProgramConstants;
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
 use crate::flow::trajectory::Trajectory;

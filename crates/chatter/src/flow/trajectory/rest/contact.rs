@@ -5,9 +5,9 @@
 
 use crate::expressions::Operand;
 use crate::flow::error::FlowError;
+use crate::flow::modes::at_contacts::LOCAL_SCALARS;
 use crate::flow::modes::closed::{Closed, Grip};
 use crate::flow::modes::guard::{Guard, GuardKind};
-use crate::flow::modes::program::LOCAL_SCALARS;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;
