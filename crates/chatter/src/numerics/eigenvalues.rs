@@ -35,6 +35,9 @@ impl Complex {
 
 /// Steps of the QR iteration for each eigenvalue: a few are usual.
 const STEPS: usize = 200;
+/// Where they do not end, all diagonal entries may be small against rounding of the largest beside them, by which these are never small enough:
+/// eigenvalues are found once more of the matrix with so much of its largest entry added to its diagonal.
+const SHIFTS: [f64; 3] = [0.0, 1.0, -1.0];
 
 /// Units d of the coordinates, powers of two, in which rows and columns of a map are of like size, x = D y and D^-1 M D (Parlett
 /// and Reinsch): what is small against the largest entry says something only there. Ones if the matrix holds what is not
@@ -63,22 +66,17 @@ fn dense(matrix: &Matrix<f64>) -> nalgebra::DMatrix<f64> {
 }
 
 /// All eigenvalues, the largest first, of a complex pair the one above the real axis first. Empty if the matrix is, or
-/// holds what is not finite. The smallest are known if the matrix is [balanced](balance).
+/// holds what is not finite, or where the iteration does not end. The smallest are known if the matrix is [balanced](balance).
 pub fn eigenvalues(matrix: &Matrix<f64>) -> Vec<Complex> {
     let size = matrix.rows();
     if size == 0 || !(0..size).all(|i| matrix.row(i).iter().all(|x| x.is_finite())) {
         return Vec::new();
     }
     let dense = dense(matrix);
-    let Some(schur) = nalgebra::Schur::try_new(dense, f64::EPSILON, STEPS * size) else {
+    let Some(mut found) = (SHIFTS.into_iter()).find_map(|shift| shifted(dense.clone(), shift))
+    else {
         return Vec::new();
     };
-    let mut found: Vec<Complex> = (schur.complex_eigenvalues().iter())
-        .map(|value| Complex {
-            re: value.re,
-            im: value.im,
-        })
-        .collect();
     found.sort_by(|a, b| {
         (b.modulus().total_cmp(&a.modulus()))
             .then(b.re.total_cmp(&a.re))
@@ -86,6 +84,18 @@ pub fn eigenvalues(matrix: &Matrix<f64>) -> Vec<Complex> {
     });
     pair_up(&mut found);
     found
+}
+
+/// The same, in the order of the decomposition, found with so much of the largest entry added to the diagonal. None where the iteration does not end.
+fn shifted(mut matrix: nalgebra::DMatrix<f64>, shift: f64) -> Option<Vec<Complex>> {
+    let (size, by) = (matrix.nrows(), shift * matrix.amax());
+    (0..size).for_each(|i| matrix[(i, i)] += by);
+    let schur = nalgebra::Schur::try_new(matrix, f64::EPSILON, STEPS * size)?;
+    let back = |value: &nalgebra::Complex<f64>| Complex {
+        re: value.re - by,
+        im: value.im,
+    };
+    Some(schur.complex_eigenvalues().iter().map(back).collect())
 }
 
 /// Rounding may tear the two of a pair apart in the order.
@@ -134,6 +144,23 @@ mod tests {
         }
         matrix[(0, 0)] = f64::NAN;
         assert_eq!(eigenvalues(&matrix), []);
+    }
+
+    #[test]
+    fn a_shift_does_not_matter() {
+        let entries = [4e3, -7.0, 0.3, 11.0, 2.0, -5.0, 0.01, 6.0, 1.0];
+        let matrix = nalgebra::DMatrix::from_row_slice(3, 3, &entries);
+        let [plain, up, down] = SHIFTS.map(|shift| {
+            let mut all = shifted(matrix.clone(), shift).unwrap();
+            all.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+            all
+        });
+        for other in [up, down] {
+            for (a, b) in plain.iter().zip(&other) {
+                let off = libm::hypot(a.re - b.re, a.im - b.im);
+                assert!(off < 16.0 * f64::EPSILON * 4e3, "{a:?} {b:?}");
+            }
+        }
     }
 
     #[test]

@@ -63,6 +63,9 @@ const NEARER: f64 = 0.5;
 const AROUND: f64 = 0.5;
 const BY_ROUNDING: f64 = 1e-11;
 
+/// To both sides of what is found each place that is looked at is farther from it by this factor, the second as far as it is wide.
+const FARTHER: f64 = 2.0;
+
 /// Towards a graze ways are shortened to this part, so often; and only where more than one multiplier is more than this.
 const SHORTER: f64 = 0.25;
 const TOWARDS: i32 = 6;
@@ -82,6 +85,18 @@ fn vertex(through: &[(f64, f64)]) -> Option<(f64, f64)> {
     let lowest = 0.5 * (a + b - left / bend);
     let depth = fa + (lowest - a) * (left + bend * (lowest - b));
     (bend > 0.0).then_some((lowest, depth))
+}
+
+/// Whether more than one displacement lasts, so that multipliers may pass together.
+fn has_several(point: &Point) -> bool {
+    let lasting = point.multipliers.iter().filter(|m| m.modulus() > LASTING);
+    lasting.count() > 1
+}
+
+/// The middle of each two that follow each other.
+fn halfway(places: &[f64]) -> Vec<f64> {
+    let ends = places.windows(2);
+    ends.map(|ends| 0.5 * (ends[0] + ends[1])).collect()
 }
 
 /// By how many the real multipliers beyond -1, and beyond 1, differ.
@@ -126,22 +141,74 @@ impl Walker {
             false => None,
         };
         if let Some(part) = part
-            && let Ok((middle, _)) = from.ahead(&mut self.shooting, part * step)
+            && let Some(end) = self.between_parts(halvings, (from, to), (step, part), (here, there))
         {
-            self.settle(&middle);
-            let halfway = Point::new(&mut self.shooting, &middle);
-            let left = middle.reach(&to.at, self.shooting.scales());
-            if left > 0.0 {
-                let near = (from, &middle, part * step, (here, &halfway));
-                let far = (&middle, to, left, (&halfway, there));
-                return [near, far]
-                    .into_iter()
-                    .find_map(|(from, to, step, points)| {
-                        self.between_by(halvings + 1, (from, to), step, points)
-                    });
-            }
+            return end;
         }
-        self.passed_between(from, to, step, (here, there))
+        self.passed_between(halvings, (from, to), step, (here, there))
+    }
+
+    /// The same in two parts, the first of them this part of the way. None where it cannot be parted.
+    fn between_parts(
+        &mut self,
+        halvings: usize,
+        (from, to): (&Station, &Station),
+        (step, part): (f64, f64),
+        (here, there): (&Point, &Point),
+    ) -> Option<Option<End>> {
+        let (middle, _) = from.ahead(&mut self.shooting, part * step).ok()?;
+        self.settle(&middle);
+        let halfway = Point::new(&mut self.shooting, &middle);
+        let left = middle.reach(&to.at, self.shooting.scales());
+        if left <= 0.0 {
+            return None;
+        }
+        let near = (from, &middle, part * step, (here, &halfway));
+        let far = (&middle, to, left, (&halfway, there));
+        let mut parts = [near, far].into_iter();
+        Some(parts.find_map(|(from, to, step, points)| {
+            self.between_by(halvings + 1, (from, to), step, points)
+        }))
+    }
+
+    /// Where something has passed beside what is found on a way, and come back: beside a fold or a doubling multipliers may go out as far as
+    /// infinity and come in on the other side within a short part of the way, which is not far on the sphere. They are looked at between what is
+    /// found and, where that is several, ever farther from it to both sides; the part of the way at which that is.
+    fn comes_and_goes(
+        &mut self,
+        (from, step): (&Station, f64),
+        (here, there): (&Point, &Point),
+        found: &[(Passed, Station, f64)],
+    ) -> Option<f64> {
+        if !(has_several(here) || has_several(there)) {
+            return None;
+        }
+        let places: Vec<f64> = found.iter().map(|(.., ahead)| *ahead).collect();
+        let mut looks = halfway(&[&[0.0], &places[..], &[step]].concat());
+        if let [first, .., last] = places[..] {
+            let farther = |k: i32| (last - first) * FARTHER.powi(k - 1);
+            let before = (0..).map(|k| first - farther(k)).take_while(|at| *at > 0.0);
+            looks.extend(before.take(LOOKS));
+            let after = (0..).map(|k| last + farther(k)).take_while(|at| *at < step);
+            looks.extend(after.take(LOOKS));
+        }
+        looks.into_iter().find_map(|ahead| {
+            let (station, _) = from.ahead(&mut self.shooting, ahead).ok()?;
+            self.settle(&station);
+            let between = Point::new(&mut self.shooting, &station);
+            let error = [here, &between, there].map(|point| point.modulus_error);
+            let level = 2.0 * error.into_iter().fold(0.0, f64::max);
+            let comes_back = |value: fn(&[Complex]) -> Option<f64>| {
+                let of = |point: &Point| value(&point.multipliers);
+                let (Some(before), Some(mid), Some(after)) = (of(here), of(&between), of(there))
+                else {
+                    return false;
+                };
+                before * after > 0.0 && before * mid < 0.0 && mid.abs() > level
+            };
+            let comes = comes_back(doubling) || comes_back(passes_together);
+            comes.then_some(ahead / step)
+        })
     }
 
     /// Where a multiplier is past -1, or 1, though as many are at both ends: the part of the way at which it is. One that comes near to -1 may have been
@@ -210,8 +277,8 @@ impl Walker {
 
     fn passed_between(
         &mut self,
-        from: &Station,
-        to: &Station,
+        halvings: usize,
+        (from, to): (&Station, &Station),
         step: f64,
         (here, there): (&Point, &Point),
     ) -> Option<End> {
@@ -231,7 +298,15 @@ impl Walker {
             return self.passed_around(met, (from, here), (to, there));
         }
         let fold = (is_told && turns && !meets).then_some(Passed::Fold((before, after)));
-        for (passed, station) in self.passed((from, step), (here, there), (meets || turns, fold)) {
+        let found = self.passed((from, step), (here, there), (meets || turns, fold));
+        if halvings < HALVINGS
+            && !found.is_empty()
+            && let Some(part) = self.comes_and_goes((from, step), (here, there), &found)
+            && let Some(end) = self.between_parts(halvings, (from, to), (step, part), (here, there))
+        {
+            return end;
+        }
+        for (passed, station, _) in found {
             self.tell(passed, &station, (here.parameter(), there.parameter()));
         }
         None
@@ -247,7 +322,7 @@ impl Walker {
         let parameters = (here.parameter(), met.point.parameter(), there.parameter());
         let reach = |walker: &Self, from: &Station| from.reach(&met.at, walker.shooting.scales());
         let ahead = reach(self, from);
-        for (passed, station) in self.passed((from, ahead), (here, &met.point), (true, None)) {
+        for (passed, station, _) in self.passed((from, ahead), (here, &met.point), (true, None)) {
             self.tell(passed, &station, (parameters.0, parameters.1));
         }
         let back = to.clone().reversed();
@@ -258,20 +333,20 @@ impl Walker {
         if end.is_some() {
             return end;
         }
-        for (passed, station) in beyond {
+        for (passed, station, _) in beyond {
             self.tell(passed, &station, (parameters.1, parameters.2));
         }
         None
     }
 
-    /// What changed its sign on the way ahead of a station, in the order in which it did, and where; whether branches meet there or one turns, and
+    /// What changed its sign on the way ahead of a station, in the order in which it did, where, and how far ahead; whether branches meet there or one turns, and
     /// that it does, is known.
     fn passed(
         &mut self,
         (from, step): (&Station, f64),
         (here, there): (&Point, &Point),
         (singular, fold): (bool, Option<Passed>),
-    ) -> Vec<(Passed, Station)> {
+    ) -> Vec<(Passed, Station, f64)> {
         let mut kinds: Vec<Passed> = fold.into_iter().collect();
         let both = |value: fn(&[Complex]) -> Option<f64>| {
             let ends = (value(&here.multipliers)?, value(&there.multipliers)?);
@@ -327,10 +402,7 @@ impl Walker {
         });
         let mut located: Vec<(Passed, Station, f64)> = located.collect();
         located.sort_by(|a, b| a.2.total_cmp(&b.2));
-        let located = located.into_iter();
         located
-            .map(|(passed, station, _)| (passed, station))
-            .collect()
     }
 
     /// Whether the parameter goes nowhere between two stations, and to neither side at any of them, but for rounding: so it is in a family of
@@ -340,7 +412,7 @@ impl Walker {
         let value = from.parameter();
         let slopes = [from, to].map(|station| station.parameter_slope().abs());
         slopes.iter().all(|slope| *slope <= STANDS * scale)
-            && (to.parameter() - value).abs() <= roundoff(value)
+            && (to.parameter() - value).abs() <= roundoff(value.abs().max(scale))
     }
 
     /// Below this a function of the user's is not told from zero.
@@ -361,12 +433,8 @@ impl Walker {
         (here, there): (&Point, &Point),
         opens: bool,
     ) -> Option<End> {
-        let several = |point: &Point| {
-            let lasting = point.multipliers.iter().filter(|m| m.modulus() > LASTING);
-            lasting.count() > 1
-        };
         let (mut station, mut point, mut gone) = (from.clone(), here.clone(), 0.0);
-        if several(here) || several(there) {
+        if has_several(here) || has_several(there) {
             let nearer = |k: i32| SHORTER.powi(k);
             let parts: Vec<f64> = match opens {
                 true => (1..=TOWARDS).rev().map(nearer).collect(),

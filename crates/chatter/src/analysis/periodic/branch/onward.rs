@@ -4,13 +4,14 @@ use super::changes::graze::{THERE, moved};
 use super::changes::holds::sequence_holds;
 use super::changes::touch::{NO_TIME, Touched};
 use super::walker::Walker;
-use super::{Limits, Point, Seed, SpecialKind};
+use super::{End, Limits, Point, Seed, SpecialKind};
 use crate::analysis::continuation::{Curve, Problem, Settings, Station, locate};
 use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::cycle::itinerary::Step;
 use crate::analysis::periodic::cycle::reread::reread;
 use crate::analysis::periodic::orbit::{Orbit, close};
 use crate::analysis::periodic::shooting::{Shooting, Workshop};
+use crate::analysis::periodic::solved::roundoff;
 use crate::flow::leg::onto_gaps;
 use crate::flow::{Closed, GuardKind};
 use crate::numerics::Real;
@@ -35,14 +36,13 @@ pub(in crate::analysis::periodic) struct Wanted<W> {
 }
 
 impl Walker {
-    /// The contact whose restitution, where it is a matter of parameters, comes to an end of what it may be on the way to a
-    /// station, and the station where it does.
+    /// How a branch ends where a restitution, as far as it is a matter of parameters, comes to an end of what it may be on the way to a
+    /// station, the station where it does, and how far ahead that is.
     pub(super) fn leaves_theory(
         &mut self,
-        from: &Station,
-        next: &Station,
+        (from, next): (&Station, &Station),
         step: f64,
-    ) -> Option<(String, Station, f64)> {
+    ) -> Option<(End, Station, f64)> {
         if self.shooting.workshop.restitution_follows.is_empty() {
             return None;
         }
@@ -67,7 +67,19 @@ impl Walker {
                 let value =
                     &mut |_: &mut dyn Problem<f64>, station: &Station| Some(inside(station));
                 let (station, ahead) = locate(&mut self.shooting, from, step, ends, value)?;
-                return Some((contact.name.clone(), station, ahead));
+                let value = station.parameter();
+                let (low, high) = self.limits.range;
+                let is_at =
+                    |edge: f64| (value - edge).abs() <= roundoff(edge.abs().max(high - low));
+                let is_edge = self.limits.beyond(next.parameter()).is_some_and(is_at);
+                let end = match is_edge {
+                    true => End::Range,
+                    false => End::Lost(format!(
+                        "contact `{}` would have a restitution outside 0 <= r <= 1",
+                        contact.name
+                    )),
+                };
+                return Some((end, station, ahead));
             }
         }
         None

@@ -195,6 +195,15 @@ impl Walker {
                     break longer.unwrap_or_else(|| End::Lost(error.to_string()));
                 }
             };
+            // Beyond an end of what restitutions may be solutions are no motion, and what breaks there is none.
+            let theory_ends = self.leaves_theory((&curve.station, &next), step);
+            let (next, step, theory_ends) = match theory_ends {
+                Some((end, station, ahead)) => {
+                    self.settle(&station);
+                    (station, ahead, Some(end))
+                }
+                None => (next, step, None),
+            };
             let crosses = self.shooting.section_rates();
             let both = crossed.into_iter().zip(crosses);
             if let Some((index, rates)) = { both }.enumerate().find(|(_, (was, is))| was * is < 0.0)
@@ -302,17 +311,14 @@ impl Walker {
                 let comes_back = (last.parameter_slope() > 0.0) != walked.rises;
                 break end.unwrap_or(if comes_back { End::Back } else { End::Closed });
             }
-            if let Some((contact, station, ahead)) = self.leaves_theory(&curve.station, &next, step)
-            {
-                self.settle(&station);
-                let last = Point::new(&mut self.shooting, &station);
-                if let Some(end) = self.between(&curve.station, &station, ahead, (&here, &last)) {
+            if let Some(end) = theory_ends {
+                let last = Point::new(&mut self.shooting, &next);
+                let points = (&here, &last);
+                if let Some(end) = self.between(&curve.station, &next, step, points) {
                     break end;
                 }
                 self.points.push(last);
-                break End::Lost(format!(
-                    "contact `{contact}` would have a restitution outside 0 <= r <= 1"
-                ));
+                break end;
             }
             let there = Point::new(&mut self.shooting, &next);
             let edge = self.limits.beyond(there.parameter());

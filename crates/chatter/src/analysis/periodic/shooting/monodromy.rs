@@ -90,29 +90,18 @@ impl<R: Real> Shooting<R> {
         }
         balance(&mut reduced);
         let entries = (0..kept.len()).flat_map(|row| reduced.row(row));
-        let larger = |most: f64, x: &f64| {
-            if x.is_finite() {
-                most.max(x.abs())
-            } else {
-                f64::INFINITY
-            }
-        };
-        let largest = entries.fold(0.0, larger);
-        if largest == f64::INFINITY {
+        let largest = entries.fold(0.0, |most: f64, x| most.max(x.abs()));
+        let known = kept.len().saturating_sub(usize::from(has_events));
+        let mut found = eigenvalues(&reduced);
+        if found.len() < kept.len() {
             let beyond = Complex {
                 re: f64::INFINITY,
                 im: 0.0,
             };
-            return (
-                vec![beyond; kept.len() - usize::from(has_events)],
-                f64::INFINITY,
-            );
+            return (vec![beyond; known], f64::INFINITY);
         }
-        let mut found = eigenvalues(&reduced);
-        if has_events {
-            // On the surface of an event there is no displacement in time.
-            found.pop();
-        }
+        // On the surface of an event there is no displacement in time.
+        found.truncate(known);
         let left = found.len().saturating_sub(self.lost());
         // What the largest rounds away of the others is nothing.
         let unknown = ROUNDED * f64::EPSILON * largest;

@@ -77,3 +77,22 @@ fn a_family_ends_at_the_simple_orbit_and_at_a_touch() {
         assert!(touches.iter().all(|touch| touch.persists.is_none()));
     }
 }
+
+/// An oscillator without damping at mu = 0, where orbits of all sizes up to the stop are periodic. What is zero there says nothing of how far rounding
+/// of the parameter may go: nowhere along the family is a fold.
+#[test]
+fn a_family_at_zero_does_not_fold() {
+    let text = "[parameters]\nmu = 0.3\n[flight]\nx = \"v\"\nv = \"mu*(1 - x^2)*v - x\"\n[[contact]]\nname = \"stop\"\n\
+        gap = \"1.4 - x\"\nimpulse = { v = -1 }\nrestitution = 0.8\n[section.mid]\nsurface = \"x\"\n\
+        direction = \"rising\"\n[initial]\nx = 0.5\nv = 0\n";
+    for step in [0.1, 0.03] {
+        let found = over(&with(text, &[]), "mu", (-0.3, 1.0), (8, step));
+        let kinds: Vec<SpecialKind> = found[0].special.iter().map(|s| s.kind).collect();
+        assert!(!kinds.contains(&SpecialKind::Fold), "{step} {kinds:?}");
+        let at_zero = found[0]
+            .points
+            .iter()
+            .filter(|p| p.parameter().abs() < 1e-12);
+        assert!(at_zero.count() > 5, "{step}");
+    }
+}

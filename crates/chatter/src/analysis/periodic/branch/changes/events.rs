@@ -113,16 +113,35 @@ impl Shooting<f64> {
     /// Whether the impact at the end of a step takes the state off a surface that it slides along there, however weak it is: what
     /// follows is not that mode.
     pub(super) fn impact_takes_off(&self, index: usize) -> bool {
+        !self.left_at_impact(index).is_empty()
+    }
+
+    /// The surfaces that it takes the state off, each with the side that it leads to.
+    pub(super) fn left_at_impact(&self, index: usize) -> Vec<(usize, Side)> {
         let step = &self.steps[index];
         let origin = self.workshop.system.origin_of(step.mode());
         let (Some((_, _, on)), Some(contact)) = (origin, step.impact()) else {
-            return false;
+            return Vec::new();
+        };
+        let (Some(landing), Some(parameters)) = (self.latest.get(index), self.latest_parameters())
+        else {
+            return Vec::new();
         };
         let mut graph = on.mechanics.graph.clone();
         let zero = graph.number(0.0);
         let jump = &on.mechanics.contacts[contact].jump;
-        let mut slides = on.mechanics.slides.iter();
-        slides.any(|slide| graph.lie_derivative(slide.surface, jump) != zero)
+        let mut left = Vec::new();
+        for slide in &on.mechanics.slides {
+            let by = graph.lie_derivative(slide.surface, jump);
+            if by != zero {
+                let side = match graph.evaluate(by, &landing.image, &parameters) > 0.0 {
+                    true => Side::Above,
+                    false => Side::Below,
+                };
+                left.push((slide.index, side));
+            }
+        }
+        left
     }
 
     /// On how many steps the orbit slides along each surface.
@@ -157,6 +176,10 @@ impl Shooting<f64> {
             return Err(unfollowed("the loss of collisions that share an instant"));
         }
         steps.drain(others);
+        let mut index = index;
+        if self.slips_after(index) {
+            index = self.leave_out_slip(at, &mut steps, index)?;
+        }
         let count = steps.len();
         let is_section = matches!(steps[index].ends_at(), Some(GuardKind::Section(_)));
         let kind = match steps[index].passage {
@@ -181,7 +204,6 @@ impl Shooting<f64> {
             let (shooting, at) = self.like(steps, at)?;
             return Ok((shooting, at, 0));
         }
-        let mut index = index;
         if index + 1 == count {
             let parameters = self.workshop.parameters(self.free(at));
             rotate(&self.workshop, &parameters, (&mut steps, &self.counts), 1)?;
@@ -249,6 +271,33 @@ impl Shooting<f64> {
         steps.splice(index..=next, [merged]);
         let (shooting, at) = self.like(steps, at)?;
         Ok((shooting, at, index))
+    }
+
+    /// Leaves out the slip after the impact at the end of a step; which step that is then.
+    fn leave_out_slip(
+        &self,
+        at: &[f64],
+        steps: &mut Vec<Step>,
+        index: usize,
+    ) -> Result<usize, PeriodicError> {
+        let count = steps.len();
+        // What comes after it is to be of the same turn, where it is not the step before it.
+        let by = match count {
+            2 => index,
+            _ => (index + 3).saturating_sub(count),
+        };
+        if by > 0 {
+            let parameters = self.workshop.parameters(self.free(at));
+            rotate(&self.workshop, &parameters, (steps, &self.counts), by)?;
+        }
+        let index = index - by;
+        let slip = steps.remove(index + 1);
+        if count > 2 {
+            steps[index + 1].start = slip.start;
+        }
+        let next = around(index, 1, steps.len());
+        steps[next].duration += slip.duration;
+        Ok(index)
     }
 
     /// Equations of other steps of the same system, and a guess of their solution.

@@ -594,15 +594,20 @@ impl Walker {
             error,
             ..
         } = touched;
-        let (_, gradient) = longer.monitor(index, &at).map_err(|left| told(&left))?;
-        let mut tangent = tangent(&mut longer, &at, &gradient).map_err(|error| told(&error))?;
-        // The impact's rate is to grow: against the gap.
-        if crate::numerics::dot(&gradient, &tangent) > 0.0 {
-            tangent.iter_mut().for_each(|x| *x = -*x);
-        }
+        let direction = |shooting: &mut Shooting<f64>, at: &[f64]| {
+            let (_, gradient) = shooting.monitor(index, at).map_err(|left| told(&left))?;
+            let mut tangent = tangent(shooting, at, &gradient).map_err(|error| told(&error))?;
+            // The impact's rate is to grow: against the gap.
+            if crate::numerics::dot(&gradient, &tangent) > 0.0 {
+                tangent.iter_mut().for_each(|x| *x = -*x);
+            }
+            Ok::<Vec<f64>, String>(tangent)
+        };
+        let mut along = direction(&mut longer, &at)?;
         self.settle(station);
         let has_pole = self.shooting.grazes();
         let takes_off = longer.impact_takes_off(index);
+        let mut at = at;
         let before = core::mem::replace(&mut self.shooting, longer);
         let opens = station.tangent.last().is_some_and(|&along| along < 0.0);
         self.note(graze(opens), there, &known, error, residual);
@@ -610,12 +615,22 @@ impl Walker {
             self.tell_no_multipliers();
         }
         if takes_off {
-            self.shooting = before;
-            return Err("the impact takes the state off a surface that it slides along".to_owned());
+            let slipping = self.shooting.with_slip(&at, index).ok();
+            let slipping = slipping.and_then(|(mut slipping, start, place)| {
+                let along = direction(&mut slipping, &start).ok()?;
+                (along[place] > 0.0).then_some((slipping, start, along))
+            });
+            let Some(next) = slipping else {
+                self.shooting = before;
+                return Err(
+                    "the impact takes the state off a surface that it slides along".to_owned(),
+                );
+            };
+            (self.shooting, at, along) = next;
         }
         Ok(Station {
             at,
-            tangent,
+            tangent: along,
             residual,
             correction,
             orientation: 0.0,

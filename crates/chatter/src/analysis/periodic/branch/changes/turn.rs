@@ -45,28 +45,65 @@ impl Shooting<f64> {
         if self.slides_along(&steps[after], surface)
             && let Some(mode) = self.mode_beyond(kind.mode, surface)
         {
-            let back = Step {
-                passage: Passage::Leg(LegKind {
-                    mode,
-                    ends_at: Some(GuardKind::Switch(surface)),
-                    jump: Jump::None,
-                }),
-                duration: 0.0,
-                told: Vec::new(),
-                closed: steps[index].closed,
-                ..steps[after].clone()
-            };
-            steps.insert(index + 1, back);
-            if after == 0 {
-                // What comes after is the next turn.
-                let parameters = self.workshop.parameters(self.free(at));
-                let turns = self.workshop.closure.turns::<f64>(&parameters)?;
-                let start = &mut steps[index + 1].start;
-                *start = Closure::later(&turns, &self.counts, start);
-            }
+            self.insert_way_back(at, &mut steps, (index, after), (mode, surface))?;
         }
         let (shooting, at) = self.like(steps, at)?;
         Ok((shooting, at, index))
+    }
+
+    /// A way back to a surface, of no time yet, after the impact at the end of a step, and before the one after it, which slides along it.
+    fn insert_way_back(
+        &self,
+        at: &[f64],
+        steps: &mut Vec<Step>,
+        (index, after): (usize, usize),
+        (mode, surface): (usize, usize),
+    ) -> Result<(), PeriodicError> {
+        let back = Step {
+            passage: Passage::Leg(LegKind {
+                mode,
+                ends_at: Some(GuardKind::Switch(surface)),
+                jump: Jump::None,
+            }),
+            duration: 0.0,
+            told: Vec::new(),
+            closed: steps[index].closed,
+            ..steps[after].clone()
+        };
+        steps.insert(index + 1, back);
+        if after == 0 {
+            // What comes after is the next turn.
+            let parameters = self.workshop.parameters(self.free(at));
+            let turns = self.workshop.closure.turns::<f64>(&parameters)?;
+            let start = &mut steps[index + 1].start;
+            *start = Closure::later(&turns, &self.counts, start);
+        }
+        Ok(())
+    }
+
+    /// The same orbit with a slip, of no time yet, after an impact that takes the state off the one surface that it slides along, and where the time of
+    /// that stands among the unknowns.
+    pub(super) fn with_slip(
+        &self,
+        at: &[f64],
+        index: usize,
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let unknown = || unfollowed("an impact that takes the state off what it slides along");
+        let [(surface, side)] = self.left_at_impact(index)[..] else {
+            return Err(unknown());
+        };
+        let after = self.after(index);
+        let system = &self.workshop.system;
+        let slips = self.slides_along(&self.steps[after], surface);
+        let origin = system.origin_of(self.steps[index].mode());
+        let (grip, sides, _) = origin.filter(|_| slips).ok_or_else(unknown)?;
+        let mode = system.meet(grip, sides.with(surface, side));
+        system.program(mode).ok_or_else(unknown)?;
+        let mut steps = self.current_steps(at);
+        self.insert_way_back(at, &mut steps, (index, after), (mode, surface))?;
+        let (shooting, at) = self.like(steps, at)?;
+        let place = shooting.duration_place(index + 1).ok_or_else(unknown)?;
+        Ok((shooting, at, place))
     }
 
     /// Whether a guard is that of the surface which the impact before a step takes the state across: with no rate it leaves the state on it.
@@ -204,7 +241,19 @@ impl<R: Real> Shooting<R> {
         let is_leg = matches!(first.passage, Passage::Leg(_));
         is_leg
             && self.slides_along(&self.steps[self.after(index)], surface)
-            && self.surface_at_impact(first.mode(), back.mode()) == Some(surface)
+            && (self.surface_at_impact(first.mode(), back.mode()) == Some(surface)
+                || self.slips_along(first, back, surface))
+    }
+
+    /// Whether the impact at the end of a step takes what slides along a surface off it, and the step after that leads back to go on as before.
+    pub(super) fn slips_after(&self, index: usize) -> bool {
+        let (first, back) = (&self.steps[index], &self.steps[self.after(index)]);
+        self.is_way_back(self.after(index))
+            && turn(back).is_some_and(|(_, surface)| self.slips_along(first, back, surface))
+    }
+
+    fn slips_along(&self, first: &Step, back: &Step, surface: usize) -> bool {
+        self.slides_along(first, surface) && !self.slides_along(back, surface)
     }
 
     /// The surface that an impact takes the state across, and no other: that of the modes before and after it.
