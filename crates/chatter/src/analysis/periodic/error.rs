@@ -95,6 +95,13 @@ pub enum PeriodicError {
         /// The nearest return, in parts of the state's size.
         nearest: f64,
     },
+    /// The trajectory takes ever shorter steps, as one that grows without bound does.
+    EverShorterSteps {
+        /// Up to where it was followed.
+        time: f64,
+        /// In so many of them.
+        steps: usize,
+    },
     /// The trajectory has not come back to where it was but for so much, and no orbit was found beside it.
     NotRepeated {
         /// Its nearest return, in parts of the state's size.
@@ -212,6 +219,10 @@ impl fmt::Display for PeriodicError {
                 out,
                 "the trajectory has not settled to a periodic orbit by time {time:.6}: its nearest return is off by \
                  {nearest:.1e} of its size"
+            ),
+            Self::EverShorterSteps { time, steps } => write!(
+                out,
+                "the trajectory takes ever shorter steps, {steps} by time {time:.6}: does the motion grow without bound?"
             ),
             Self::NotRepeated { nearest, how } => write!(
                 out,

@@ -630,3 +630,13 @@ v = 0
         assert!(found.multipliers.iter().all(|m| m.modulus() < 1e-12), "{a}");
     }
 }
+
+/// Two modes that draw from each other grow without bound, and with the cube of a rate steps become ever shorter: that is told, and not waited for.
+#[test]
+fn what_grows_without_bound_is_not_followed_for_ever() {
+    let text = "[flight]\nx = \"v\"\nv = \"0.5*v - x + 0.6*y\"\ny = \"w\"\nw = \"-1.25*y - 0.6*x - 0.1*w^3\"\n[section.down]\n\
+        surface = \"v\"\ndirection = \"falling\"\n[initial]\nx = 0.3\nv = 0\ny = 0\nw = 0\n";
+    let found = settles(&with(text, &[]));
+    let is_told = matches!(found, Err(PeriodicError::EverShorterSteps { time, steps }) if time > 10.0 && steps > 100_000);
+    assert!(is_told, "{:?}", found.err());
+}

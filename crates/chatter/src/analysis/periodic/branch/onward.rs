@@ -9,6 +9,7 @@ use crate::analysis::continuation::{Curve, Problem, Settings, Station, locate};
 use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::cycle::itinerary::Step;
 use crate::analysis::periodic::cycle::reread::reread;
+use crate::analysis::periodic::cycle::settle::cycle::Cycle;
 use crate::analysis::periodic::orbit::{Orbit, close};
 use crate::analysis::periodic::shooting::{Shooting, Workshop};
 use crate::analysis::periodic::solved::roundoff;
@@ -358,6 +359,7 @@ impl Walker {
             let period = lap.map_or_else(|| self.shooting.period(), |lap| lap.time);
             let told = (&start, period);
             let cycle = reread(&workshop, &free, told).ok()?;
+            let cycle = from_rest(&workshop, &free, (&cycle, period)).unwrap_or(cycle);
             // An orbit of more impacts than are followed is closed for nothing; one more may come to be none.
             let impacts: Option<u64> = cycle.steps.iter().map(Step::impacts).sum();
             let is_over = impacts.is_some_and(|impacts| impacts > self.limits.impacts + 1);
@@ -391,6 +393,24 @@ impl Walker {
             Some(station)
         })
     }
+}
+
+/// The same cycle read from where a contact is at rest after complete chatter, by which it forgets how far it was from closed: beside a corner near the
+/// accumulation flights are lower than that, and no guess with it is any. Not from a release, where the motion would have to decide anew.
+fn from_rest(workshop: &Workshop, free: &[f64], (cycle, period): (&Cycle, f64)) -> Option<Cycle> {
+    let steps = &cycle.steps;
+    let rests = steps.windows(2).position(|pair| {
+        let [first, next] = pair else { return false };
+        let is_over = first.is_stretch() && first.closed != Closed::NONE;
+        is_over && !next.is_at_once()
+    })?;
+    let state = legal(
+        workshop,
+        free,
+        (steps[rests].closed, &steps[rests + 1].start),
+    )?;
+    let again = reread(workshop, free, (&state, period)).ok()?;
+    (again.distance < cycle.distance).then_some(again)
 }
 
 /// The orbit beside a solution, at this distance of the parameter in parts of its range, over the parameter alone or along a direction: the one

@@ -158,6 +158,8 @@ pub(crate) struct Tracer<'s> {
     pub trajectory: Trajectory<f64>,
     /// Crossings of this section count, too.
     section: Option<usize>,
+    /// Steps taken, and how many there may be by now.
+    steps: (usize, usize),
 }
 
 /// Whether a motion goes on is looked at for so many units of its time.
@@ -165,6 +167,8 @@ const STEPS_MORE: f64 = 16.0;
 
 /// Steps without an event.
 const MOST_STEPS: usize = 200_000;
+/// So many more may be taken after each event, and in each period of a forcing: what grows without bound asks for ever more.
+const STEPS_AN_EVENT: usize = 10_000;
 
 impl<'s> Tracer<'s> {
     pub(crate) fn new(
@@ -180,6 +184,7 @@ impl<'s> Tracer<'s> {
             work,
             trajectory,
             section,
+            steps: (0, MOST_STEPS),
         })
     }
 
@@ -226,6 +231,7 @@ impl<'s> Tracer<'s> {
         self.trajectory.set_horizon(until);
         let mut steps = 0;
         let enough = instants.len() + most;
+        self.steps.1 += STEPS_AN_EVENT;
         loop {
             let (mode, pieces) = (self.trajectory.mode, self.trajectory.pieces().to_vec());
             let told = (self.trajectory)
@@ -241,6 +247,13 @@ impl<'s> Tracer<'s> {
             }
             if steps > MOST_STEPS {
                 return Ok(());
+            }
+            self.steps.0 += 1;
+            if self.steps.0 > self.steps.1 {
+                return Err(PeriodicError::EverShorterSteps {
+                    time: self.trajectory.time(),
+                    steps: self.steps.0,
+                });
             }
             let guard = self.trajectory.ended_by();
             let counts = |guard: Option<GuardKind>| match guard {
@@ -263,6 +276,7 @@ impl<'s> Tracer<'s> {
             let before = instants.last_mut().filter(is_here);
             if looks.is_some() && guard == looks {
                 steps = 0;
+                self.steps.1 += STEPS_AN_EVENT;
             }
             // A section that is crossed with an event is no event of its own.
             if looks.is_some()
@@ -304,6 +318,7 @@ impl<'s> Tracer<'s> {
                     with_section,
                 });
                 steps = 0;
+                self.steps.1 += STEPS_AN_EVENT;
             } else if happens && let (Some(last), Some(told)) = (instants.last_mut(), told) {
                 last.in_one_mode &=
                     asked_in.is_none() || (mode, &pieces) == (last.mode, &last.pieces);

@@ -20,7 +20,12 @@ fn a_pair_that_passes_the_circle_beside_a_fold_and_comes_back_is_told() {
         (0.0005, 0.07),
         (-0.0012, 0.2),
     ] {
-        let found = over(&with(text, &[("c", c)]), "p", (-0.5, 1.0), (8, step));
+        let found = over(
+            &with(text, &[("c", &*c.to_string())]),
+            "p",
+            (-0.5, 1.0),
+            (8, step),
+        );
         let mut expected = vec![
             0.0,
             4e-6,

@@ -6,6 +6,7 @@ mod cut_short;
 mod doubled;
 mod elastic;
 mod families;
+mod knots;
 mod monitors;
 mod rest_begins;
 mod restitutions;
