@@ -7,6 +7,7 @@ use super::orbit::{cleaned, failed, told_start};
 use super::shooting::{INCOMPLETE, Shooting, Workshop};
 use crate::analysis::continuation::{NewtonError, Problem};
 use crate::analysis::universal::{ChatterMap, Constants};
+use crate::flow::leg::{Jump, Least};
 use crate::flow::{Closed, GuardKind};
 use core::ops::ControlFlow;
 
@@ -61,7 +62,7 @@ pub(super) fn margins(
 ) -> Result<Vec<Margin>, PeriodicError> {
     let left = |left| failed(&NewtonError::Left(left));
     shooting.evaluate(at).map_err(left)?;
-    let least = shooting.least(at).map_err(left)?;
+    let all = shooting.least(at).map_err(left)?;
     let mut found: Vec<Margin> = Vec::new();
     let mut note = |kind: MarginKind, guard: GuardKind, time: f64, value: f64| {
         let known = (found.iter_mut()).find(|m| m.kind == kind && m.guard == guard);
@@ -80,9 +81,9 @@ pub(super) fn margins(
     let workshop = shooting.workshop.clone();
     for (index, step) in shooting.steps.iter().enumerate() {
         let landing = &shooting.latest[index];
-        for least in &least[index] {
+        for least in &all[index] {
             let crosses = workshop.section.map(GuardKind::Section) == Some(least.guard);
-            if !least.at_end && !crosses {
+            if !crosses && (!least.at_end || shooting.turns_up_after(index, (least, &all))) {
                 let mut value = least.value;
                 let kind = match least.guard {
                     GuardKind::Gap(_) => MarginKind::LeastGap,
@@ -97,7 +98,7 @@ pub(super) fn margins(
             }
         }
         time += landing.duration;
-        if let (Some(guard), Some(beyond)) = (step.ends_at(), shooting.carried(index, &least)) {
+        if let (Some(guard), Some(beyond)) = (step.ends_at(), shooting.carried(index, &all)) {
             note(MarginKind::LeastValue, guard, time, beyond);
         }
         if let Some(contact) = step.impact() {
@@ -124,6 +125,30 @@ pub(super) fn margins(
 }
 
 impl Shooting<f64> {
+    /// Whether a gap or a force has its least value on a step at the end of that, where something else happens, and none that is less on the next
+    /// one: as at the knot of a table, or on a surface where the field has a corner.
+    fn turns_up_after(&self, index: usize, (least, all): (&Least, &[Vec<Least>])) -> bool {
+        let (before, after) = (self.before(index), self.after(index));
+        let (step, next) = (&self.steps[index], &self.steps[after]);
+        let is_watched = |closed: Closed| match least.guard {
+            GuardKind::Gap(contact) => !closed.contains(contact),
+            GuardKind::Reaction(contact) => closed.contains(contact),
+            _ => false,
+        };
+        let is_leg = step.flight().is_some_and(|kind| kind.jump == Jump::None);
+        let goes_on = is_leg && next.has_own_time() && next.ends_at() != Some(least.guard);
+        let of_it = |of: usize| all[of].iter().filter(|other| other.guard == least.guard);
+        // It was more where the step begins, which is where the one before ends.
+        let was_more = of_it(before).any(|other| other.at_end && other.value > least.value);
+        goes_on
+            && [self.closed_before(index), step.closed]
+                .into_iter()
+                .all(is_watched)
+            && was_more
+            && of_it(index).all(|other| other.at_end || other.value > least.value)
+            && of_it(after).all(|other| other.value > least.value)
+    }
+
     /// How the gap of a contact that is held beside others at this state of a step would open if that one alone were let go.
     fn let_go(&self, step: &Step, contact: usize, state: &[f64]) -> Option<[f64; 2]> {
         let known = self.parameters_of(&self.latest_parameters()?, step);

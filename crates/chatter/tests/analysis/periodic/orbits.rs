@@ -640,3 +640,28 @@ fn what_grows_without_bound_is_not_followed_for_ever() {
     let is_told = matches!(found, Err(PeriodicError::EverShorterSteps { time, steps }) if time > 10.0 && steps > 100_000);
     assert!(is_told, "{:?}", found.err());
 }
+
+/// A force that is least at a corner, where no rate of it vanishes: on a shaker that turns at once it falls to 1 - amp; and on a cam through points, held by
+/// a spring, at one of these, by another program's splines.
+#[test]
+fn a_force_may_be_least_at_a_corner() {
+    let shaker = "[flight]\ny = \"v\"\nv = \"0.4*if(mod(t, 2) < 1.4, mod(t, 2)/1.4, (2 - mod(t, 2))/0.6) - 1 - 0.1*v\"\nz = \"y - z\"\n\
+        [[contact]]\nname = \"floor\"\ngap = \"y\"\nimpulse = { v = 1 }\nrestitution = 0.5\n[initial]\ny = 1\nv = 0\nz = 0\n";
+    let cam = "[table.lift]\nx = [0, 40, 80, 120, 160, 200, 240, 280, 320, 360]\n\
+        y = [0, 0.02, 0.12, 0.24, 0.3, 0.27, 0.16, 0.05, 0.01, 0]\nkind = \"periodic-cubic\"\n[flight]\ny = \"v\"\n\
+        v = \"-30*(y + 0.6) - v\"\nangle = \"9\"\n[[contact]]\nname = \"cam\"\ngap = \"y - lift(angle*180/pi)\"\nimpulse = { v = 1 }\n\
+        restitution = 0.45\n[section.turn]\nsurface = \"sin(angle)\"\ndirection = \"rising\"\n[initial]\ny = 0.5\nv = 0\nangle = 0\n";
+    for (text, exact) in [(shaker, 0.6), (cam, 9.066_362_133_817)] {
+        let found = orbit(&with(text, &[]));
+        let of_kind =
+            |m: &&chatter::analysis::periodic::Margin| m.kind == MarginKind::LeastReaction;
+        let least: Vec<f64> = found
+            .margins
+            .iter()
+            .filter(of_kind)
+            .map(|m| m.value)
+            .collect();
+        assert_eq!(least.len(), 1, "{:?}", found.margins);
+        assert!((least[0] - exact).abs() < 1e-9, "{least:?}");
+    }
+}

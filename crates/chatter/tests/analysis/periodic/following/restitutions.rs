@@ -1,6 +1,6 @@
 //! Where restitutions come to an end of what they may be.
 
-use crate::periodic::{over, value, with};
+use crate::periodic::{over, with};
 use chatter::analysis::periodic::End;
 
 /// A range may go beyond 0 <= r <= 1, where solutions of the equations are no motion: branches end at 0 and at 1, as if that were the range.
