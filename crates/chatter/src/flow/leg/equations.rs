@@ -183,8 +183,18 @@ impl System {
         if others.closed == Closed::NONE || others.closed == grip.closed || grip.has_idle() {
             return None;
         }
+        self.gap_moves((self.meet(others, sides), contact), parameters, state)
+    }
+
+    /// The acceleration of a contact's gap, and its jerk, in a mode in which that is open.
+    pub(crate) fn gap_moves(
+        &self,
+        (mode, contact): (usize, usize),
+        parameters: &[f64],
+        state: &[f64],
+    ) -> Option<[f64; 2]> {
         let kind = LegKind {
-            mode: self.meet(others, sides),
+            mode,
             ends_at: Some(GuardKind::Gap(contact)),
             jump: Jump::None,
         };

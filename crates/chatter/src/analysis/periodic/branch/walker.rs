@@ -566,19 +566,23 @@ impl Walker {
     }
 
     /// Whether the latest special points are the same two in turn: grazes that rounding does not tell apart, where the way on leads
-    /// back. Only the first of each is kept, beside those on `record`. Returns the fewest impacts among them.
+    /// back; or one graze twice: between both the way has turned by rounding, as no fold lies there. Only the first of each is kept, beside those on
+    /// `record`. Returns the fewest impacts among them.
     fn leads_back(&mut self, record: usize) -> Option<u64> {
         let count = self.special.len();
-        let first = count.checked_sub(TURNS)?;
-        let latest = &self.special[first..];
         let is_one = |a: &Special, b: &Special| a.is_that_of(b, Near::known(a, b));
-        let in_turn = latest.windows(3).all(|of| is_one(&of[0], &of[2]));
-        if !in_turn {
-            return None;
-        }
-        let impacts = latest.iter().filter_map(|special| special.point.impacts);
+        let turns = |latest: &[Special]| match latest {
+            [a, b] => a.kind.is_graze() && is_one(a, b),
+            latest => latest.windows(3).all(|of| is_one(&of[0], &of[2])),
+        };
+        let (first, kept) = [(2, 1), (TURNS, 2)].into_iter().find_map(|(of, kept)| {
+            let first = count.checked_sub(of)?;
+            turns(&self.special[first..]).then_some((first, kept))
+        })?;
+        let impacts = self.special[first..].iter();
+        let impacts = impacts.filter_map(|special| special.point.impacts);
         let fewest = impacts.min().unwrap_or_default();
-        self.special.truncate((first + 2).max(record));
+        self.special.truncate((first + kept).max(record));
         Some(fewest)
     }
 

@@ -447,7 +447,11 @@ impl<R: Real> Shooting<R> {
     }
 
     /// The model's parameters followed by those of a step's pieces.
-    pub(super) fn parameters_of(&self, parameters: &[R], step: &Step) -> Vec<R> {
+    pub(in crate::analysis::periodic) fn parameters_of(
+        &self,
+        parameters: &[R],
+        step: &Step,
+    ) -> Vec<R> {
         self.workshop.system.with_pieces(parameters, &step.pieces)
     }
 

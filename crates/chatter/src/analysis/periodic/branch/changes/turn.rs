@@ -99,6 +99,15 @@ impl Shooting<f64> {
         let (grip, sides, _) = origin.filter(|_| slips).ok_or_else(unknown)?;
         let mode = system.meet(grip, sides.with(surface, side));
         system.program(mode).ok_or_else(unknown)?;
+        // Parted from what it slid with, what has struck may be driven back: then impacts follow at once, and no slip.
+        let known = (self.latest.get(index)).zip(self.latest_parameters());
+        let (landing, parameters) = known.ok_or_else(unknown)?;
+        let parameters = self.parameters_of(&parameters, &self.steps[after]);
+        let contact = self.steps[index].impact().ok_or_else(unknown)?;
+        let moves = system.gap_moves((mode, contact), &parameters, &landing.image);
+        if moves.is_none_or(|[acceleration, _]| acceleration <= 0.0) {
+            return Err(unknown());
+        }
         let mut steps = self.current_steps(at);
         self.insert_way_back(at, &mut steps, (index, after), (mode, surface))?;
         let (shooting, at) = self.like(steps, at)?;
