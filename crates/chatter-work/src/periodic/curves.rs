@@ -99,18 +99,18 @@ pub(super) fn find_curves(
     let complete = all.iter().all(is_whole);
     // Two points may lie on one curve: it is listed once, from the first of them.
     for (number, model, known, _) in &pieces {
-        let Some((kind, _)) = all[*number] else {
+        if all[*number].is_none() {
             continue;
-        };
+        }
         let of = (free, known);
         let before = pieces.iter().zip(&all[..*number]);
         let is_known = before
             .filter_map(|(piece, curve)| Some((&piece.2, curve.as_ref()?)))
             .any(|(other, (of_kind, curve))| {
                 let limits = &ready.wanted.over.limits;
-                *of_kind == kind
-                    && other.monitor == known.monitor
-                    && goes_through(model, &spec, of, limits, &curve.points).unwrap_or(false)
+                let curve = (*of_kind, &*curve.points);
+                other.monitor == known.monitor
+                    && goes_through(model, &spec, of, limits, curve).unwrap_or(false)
             });
         if is_known {
             all[*number] = None;

@@ -292,7 +292,7 @@ fn in_plane(
     workshop(model, spec, (&free, &sizes))
 }
 
-/// Whether a curve of special points, that of these orbits in order, goes through another special point of its kind as it was told: both
+/// Whether a curve of special points, of a kind and with these orbits in order, goes through another special point as it was told: both
 /// are then on one curve. `free` and `limits` are those that it was followed with; the model has the values of the point.
 ///
 /// # Errors
@@ -302,15 +302,15 @@ pub fn goes_through(
     spec: &Spec,
     (free, known): ([usize; 2], &Known),
     limits: &Limits,
-    curve: &[Point],
+    (kind, points): (SpecialKind, &[Point]),
 ) -> Result<bool, PeriodicError> {
     let parameters = model.parameter_values::<f64>(&[]);
     let values = free.map(|index| parameters[index]);
-    if known.kind == SpecialKind::ChatterBorder {
+    if known.kind == SpecialKind::ChatterBorder || !kind.shares_curves(known.kind) {
         return Ok(false);
     }
     let workshop = in_plane(model, spec, (free, &values), limits)?;
-    special_curve::passes::passes(&workshop, (&values, known), curve)
+    special_curve::passes::passes(&workshop, (&values, known), limits, points)
 }
 
 /// A point is in a range up to so small a part of it.

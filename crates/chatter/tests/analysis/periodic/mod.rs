@@ -15,6 +15,7 @@ mod phases;
 mod plane;
 mod plane_closed;
 mod plane_corners;
+mod plane_listed;
 mod plane_stays;
 mod plane_turns;
 mod plane_walls;

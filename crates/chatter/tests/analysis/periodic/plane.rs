@@ -1,9 +1,10 @@
 //! Curves in two parameters, and the points of codimension two on them.
 
+use super::plane_listed::is_on;
 use super::{GRAZES, model, nearest, over, value, with};
 use chatter::analysis::periodic::{
     Beside, Branch, BranchSpec, End, Known, Limits, PeriodicError, Point, Spec, Special,
-    SpecialCurve, SpecialKind, branches, goes_through, special_curve,
+    SpecialCurve, SpecialKind, branches, special_curve,
 };
 use chatter::model::Model;
 use std::ops::ControlFlow;
@@ -90,7 +91,7 @@ fn the_folds_of_duffings_oscillator_meet_in_a_cusp() {
     let [before, beyond] = [&curve.points[..cusp], &curve.points[cusp..]];
     let on = folds.iter().map(|fold| {
         [&*curve.points, before, beyond]
-            .map(|part| is_on(&duffing, ["f", "w"], fold, ((1.1, 1.4), part)))
+            .map(|part| is_on(&duffing, ["f", "w"], fold, ((1.1, 1.4), fold.kind, part)))
     });
     let on: Vec<[bool; 3]> = on.collect();
     assert!(on.iter().all(|&[all, ..]| all), "{on:?}");
@@ -99,34 +100,6 @@ fn the_folds_of_duffings_oscillator_meet_in_a_cusp() {
         "{on:?}"
     );
     assert!(on[0][1] != on[1][1], "{on:?}");
-}
-
-/// Whether a special point lies on a part of a curve.
-pub(super) fn is_on(
-    model: &Model,
-    free: [&str; 2],
-    special: &Special,
-    (range, points): ((f64, f64), &[Point]),
-) -> bool {
-    let known = Known {
-        kind: special.kind,
-        monitor: special.monitor,
-        state: special.point.state.clone(),
-        period: special.point.period,
-    };
-    let mut model = model.clone();
-    model
-        .set_parameter(free[0], &format!("{:?}", value(special)))
-        .unwrap();
-    let free = free.map(|name| model.parameter_index(name).unwrap());
-    let limits = Limits {
-        range,
-        other: None,
-        impacts: 60,
-        points: 3000,
-        longest_step: 0.05,
-    };
-    goes_through(&model, &Spec::default(), (free, &known), &limits, points).unwrap()
 }
 
 /// x'' + c x' + x = cos(w t) below the wall s: the orbit without impacts touches it where its amplitude is s, and goes on

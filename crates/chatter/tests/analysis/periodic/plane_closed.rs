@@ -1,6 +1,7 @@
 //! Closed curves in two parameters.
 
-use super::plane::{curve, is_on};
+use super::plane::curve;
+use super::plane_listed::is_on;
 use super::{nearest, over, value, with};
 use chatter::analysis::periodic::{End, Point, SpecialKind};
 
@@ -35,7 +36,12 @@ fn a_closed_curve_ends_where_it_began() {
             "{turned}"
         );
         for other in &doublings {
-            assert!(is_on(&model, ["a", "b"], other, (range, &found.points)));
+            assert!(is_on(
+                &model,
+                ["a", "b"],
+                other,
+                (range, found.kind, &found.points)
+            ));
         }
     }
 }

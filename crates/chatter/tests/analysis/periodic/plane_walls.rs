@@ -187,3 +187,43 @@ fn a_curve_of_symmetric_grazes_passes_where_symmetry_is_lost() {
         }
     }
 }
+
+/// Orbits of three periods of the force with two impacts and a graze. Their curve ends on that of orbits of one period that graze: where what a kick at the touch
+/// does to the place a period later vanishes. All three impacts lose their rates at once there, so that the equations lose two ranks. The place is that of SciPy's DOP853 with the variational equation.
+#[test]
+fn a_curve_of_tripled_grazes_ends_on_that_of_the_simple_ones_whatever_the_step() {
+    let text = "[parameters]\nF = 0.42138945881455914\nw = 1.1\n[flight]\nx = 'v'\nv = '0.3*(1 - x^2)*v - x + F*cos(w*t)'\n\
+                [[contact]]\ngap = '1.2 - x'\nimpulse = { v = -1 }\nrestitution = 0.8\n[section.strobe]\nsurface = 'sin(w*t)'\n\
+                direction = 'rising'\n[initial]\nx = 0\nv = 0\n";
+    let driven = with(text, &[]);
+    let known = Known {
+        kind: SpecialKind::ImpactGraze,
+        monitor: None,
+        state: vec![
+            0.186_563_528_354_722_23,
+            -1.473_522_291_095_791_7,
+            5.711_986_642_890_532,
+        ],
+        period: 17.135_959_928_671_6,
+    };
+    let [force, frequency] = [0.229_357_848_723_310, 0.994_648_214_644_928];
+    for step in [0.2, 0.1] {
+        let limits = limits((0.99, 1.101), (0.2, 0.5), step);
+        let told = (&known, 0.421_389_458_814_559_14);
+        let curve = curve_within(&driven, ["F", "w"], told, &limits).unwrap();
+        assert_eq!(curve.ends, [End::At(SpecialKind::DoubleGraze), End::Range]);
+        // No graze becomes a fold near there, as rounding said.
+        let [end] = &curve.special[..] else {
+            panic!("{step}: {:?}", curve.special);
+        };
+        let [f, w] = end.point.parameters[..] else {
+            panic!("{end:?}");
+        };
+        let off = (f - force).abs().max((w - frequency).abs());
+        assert!(
+            off <= end.error && end.error < 1e-8,
+            "{step}: {off:e} {:e}",
+            end.error
+        );
+    }
+}

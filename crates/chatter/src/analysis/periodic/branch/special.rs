@@ -161,6 +161,12 @@ impl SpecialKind {
     pub const fn is_graze(self) -> bool {
         matches!(self, Self::ImpactGraze | Self::FlightGraze)
     }
+
+    /// Whether points of both kinds may lie on one curve in two parameters: which of its names a graze has is a matter of which way the gap
+    /// goes over one of them, and that may change along the curve.
+    pub(in crate::analysis::periodic) fn shares_curves(self, other: Self) -> bool {
+        self == other || (self.is_graze() && other.is_graze())
+    }
 }
 
 /// A special point.

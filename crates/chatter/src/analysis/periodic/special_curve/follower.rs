@@ -2,6 +2,7 @@
 
 use super::degenerate::{self, Sided, Test, ends, has_multipliers, tests};
 use super::past_touch::touched;
+use super::start::SLOWEST;
 use crate::analysis::continuation::{
     Curve, NewtonError, Problem, Station, StepError, locate, meeting,
 };
@@ -576,15 +577,28 @@ impl Follower {
         // impact that loses its rate there for that impact.
         let starts = meets.map(|within| [(station, within), (from, 2.0 * within)]);
         let lost = self.losing(broken).into_iter().map(Broken::Event);
-        let all = lost.chain([broken.clone()]);
+        let all: Vec<Broken> = lost.chain([broken.clone()]).collect();
         let met = starts.into_iter().flatten().find_map(|start| {
             let met = self.met(start, bordered)?;
-            let vanishes = |one: &Broken| {
+            let vanishes = |one: &&Broken| {
                 let before = self.left_of(one, from);
                 self.left_of(one, &met).abs() <= VANISHES * before.abs()
             };
-            Some((all.clone().find(vanishes)?, met))
+            Some((all.iter().find(vanishes)?.clone(), met))
         });
+        let is_graze = match *broken {
+            Broken::Event(index) => self.shooting.steps[index].impact().is_some(),
+            Broken::Inner(_, guard) => matches!(guard, GuardKind::Gap(_)),
+            Broken::Early(..)
+            | Broken::Beyond(..)
+            | Broken::Passed(_)
+            | Broken::Carried(_)
+            | Broken::Order(_) => false,
+        };
+        let met = match met {
+            None if is_graze => self.extrapolated(from, (station, ahead), &all, bordered),
+            met => met,
+        };
         let (lost, met) = met.unzip();
         let broken = lost.as_ref().unwrap_or(broken);
         let before = self.left_of(broken, from);
@@ -604,15 +618,6 @@ impl Follower {
             }
         }
         let station = met.as_ref().unwrap_or(station);
-        let is_graze = match *broken {
-            Broken::Event(index) => self.shooting.steps[index].impact().is_some(),
-            Broken::Inner(_, guard) => matches!(guard, GuardKind::Gap(_)),
-            Broken::Early(..)
-            | Broken::Beyond(..)
-            | Broken::Passed(_)
-            | Broken::Carried(_)
-            | Broken::Order(_) => false,
-        };
         if let Some(touch) = touched(broken) {
             let here = self.left_of(broken, station);
             self.note(SpecialKind::Touch, station, (here, (here - before) / ahead));
@@ -654,7 +659,9 @@ impl Follower {
         self.note(kind, station, (here, (here - before) / ahead));
         self.grazing = known;
         // Where an impact of the orbit without that one loses its rate, too, they have a pole.
-        if let (Broken::Event(_), Some(_), Some(special)) = (broken, known, self.special.last_mut())
+        if let Broken::Event(_) = broken
+            && (known.is_some() || self.shooting.slower_than(SLOWEST).len() > 1)
+            && let Some(special) = self.special.last_mut()
         {
             special.point.multipliers.clear();
         }
@@ -699,14 +706,18 @@ impl Follower {
     }
 
     /// What is left at a station of what breaks.
-    fn left_of(&mut self, broken: &Broken, station: &Station) -> f64 {
+    pub(super) fn left_of(&mut self, broken: &Broken, station: &Station) -> f64 {
         let _ = self.shooting.evaluate(&station.at);
         let least = least_beside(&mut self.shooting, &station.at, self.grazing).unwrap_or_default();
         broken.value(&self.shooting, &least).unwrap_or(f64::NAN)
     }
 
     /// Where another curve is met, within a distance of a station.
-    fn met(&mut self, (near, within): (&Station, f64), bordered: &Bordered) -> Option<Station> {
+    pub(super) fn met(
+        &mut self,
+        (near, within): (&Station, f64),
+        bordered: &Bordered,
+    ) -> Option<Station> {
         let found = meeting(&mut bordered.of(&mut self.shooting), &near.at).ok()?;
         (moved(&found.at, &near.at, self.shooting.scales()) <= within).then(|| Station {
             at: found.at,

@@ -5,6 +5,7 @@
 //! start        a special point as it was told, found again
 //! degenerate   functions that vanish at points of codimension two
 //! border       curves of chatter borders, by the search for border orbits
+//! extrapolated ends at which the equations are singular
 //! follower     one side of a curve, station by station
 //! closed       where it comes back to where it began
 //! at_turn      where a rate turns on a surface on which the force changes
@@ -19,6 +20,7 @@ mod at_turn;
 pub(crate) mod border;
 mod closed;
 mod degenerate;
+mod extrapolated;
 mod follower;
 pub(super) mod passes;
 mod past_break;

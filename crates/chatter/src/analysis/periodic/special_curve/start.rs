@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 /// Before a graze orbits are looked at without the impact, and with it: an impact slower than this part of the fastest is the
 /// grazing one.
-const SLOWEST: f64 = 1e-5;
+pub(super) const SLOWEST: f64 = 1e-5;
 /// An impact beside a graze that is slower than this is rounding: there is another graze.
 const AT_ONCE: f64 = 1e-9;
 /// This part of a leg from where it begins is its start.

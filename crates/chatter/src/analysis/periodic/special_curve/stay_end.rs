@@ -5,16 +5,15 @@
 //! The equations are singular there: a stay of no time at all solves them all along the curve of touches. But the curve is a smooth
 //! function of how long the stay takes, so that its end is extrapolated from where that is not short.
 
+use super::extrapolated::at_zero;
 use super::follower::{Follower, Stop};
 use crate::analysis::continuation::{Condition as Row, Curve, Problem, Station, newton};
-use crate::analysis::periodic::branch::{End, SpecialKind, VANISHED, interpolated, moved};
+use crate::analysis::periodic::branch::{End, SpecialKind, VANISHED};
 use crate::analysis::periodic::condition::{Bordered, Condition};
 
 /// The longest of the stays that are extrapolated from, in parts of the period; each of the others takes half as long as the one before.
 const LONGEST: f64 = 1e-2;
 const STAYS: i32 = 13;
-/// So many of them at a time: the polynomial goes through these.
-const AT_A_TIME: usize = 6;
 /// A stay grows by this factor at most from one solution to the next.
 const GROWS: f64 = 4.0;
 /// What is known no better, in parts of the solution's size, is no end of the curve.
@@ -105,32 +104,9 @@ impl Follower {
                 None => break,
             }
         }
-        let scales = self.shooting.scales().to_vec();
-        let extrapolated = |part: &[Lasting]| -> Vec<f64> {
-            let times: Vec<f64> = part.iter().map(|lasting| lasting.time).collect();
-            let value = |i: usize| {
-                let values: Vec<f64> = part.iter().map(|lasting| lasting.at[i]).collect();
-                interpolated(&times, &values, 0.0)
-            };
-            (0..scales.len()).map(value).collect()
-        };
-        // The longest tells what the polynomial leaves out, the shortest what is rounding.
-        let ends = all.windows(AT_A_TIME).map(|part| {
-            let end = extrapolated(part);
-            let fewer = [&part[1..], &part[..part.len() - 1]].map(extrapolated);
-            let off = fewer.iter().map(|other| moved(other, &end, &scales));
-            let off = off.fold(0.0, f64::max);
-            (end, off)
-        });
-        let ends: Vec<(Vec<f64>, f64)> = ends.collect();
-        let least = (0..ends.len()).min_by(|&a, &b| ends[a].1.total_cmp(&ends[b].1))?;
-        let (mut end, off) = ends[least].clone();
-        // Chance makes one difference small: those beside it have to agree.
-        let beside = [least.checked_sub(1), Some(least + 1)];
-        let beside = beside.into_iter().flatten().filter_map(|k| ends.get(k));
-        let off = beside.fold(off, |most, (other, _)| {
-            most.max(moved(other, &end, &scales))
-        });
+        let (times, all): (Vec<f64>, Vec<Vec<f64>>) =
+            (all.into_iter().map(|lasting| (lasting.time, lasting.at))).unzip();
+        let (mut end, off) = at_zero((&times, &all), self.shooting.scales())?;
         end[place] = 0.0;
         (off <= KNOWN).then_some((end, off))
     }
