@@ -361,8 +361,12 @@ fn leave(
     while next < open.len() {
         let (index, doublings, branch_points) = open[next];
         next += 1;
-        let special = branches[index].special.clone();
-        for special in &special {
+        let all = branches[index].special.clone();
+        for (place, special) in all.iter().enumerate() {
+            // What is gone around more than once from there on is a branch that is known.
+            if comes_again_at(&branches[index], place) {
+                continue;
+            }
             let (sign, deeper) = match special.kind {
                 SpecialKind::PeriodDoubling if doublings < beside.doublings => {
                     (-1.0, (doublings + 1, branch_points))
@@ -372,8 +376,11 @@ fn leave(
                 }
                 _ => continue,
             };
-            let is_passed =
-                |known: &Special| known.kind == special.kind && known.shares_orbit(special, near);
+            // Of what leaves at the mirror image of a point nothing is new but states.
+            let is_passed = |known: &Special| {
+                (known.kind == special.kind && known.shares_orbit(special, near))
+                    || known.is_image_of(special, near)
+            };
             // What leaves here may have come by itself: the far end of a doubled branch is a doubling of the same one again, and a
             // branch without a symmetry begins and ends where that is lost.
             let is_met =
@@ -399,6 +406,13 @@ fn leave(
         }
     }
     Ok(())
+}
+
+/// Whether a branch ends at one of its special points since its orbits go more than once around those of another from there on.
+fn comes_again_at(branch: &Branch, place: usize) -> bool {
+    let ends = [0, branch.special.len() - 1].into_iter().zip(&branch.ends);
+    let mut here = ends.filter(|(last, _)| *last == place);
+    here.any(|(_, end)| *end == End::Again(branch.special[place].kind))
 }
 
 /// Whether two branches that have such special points for one orbit meet there: each is what leaves the other.

@@ -101,9 +101,6 @@ impl Walker {
         );
         let special = self.special.last_mut()?;
         special.leaves = met.leaves;
-        if again {
-            special.seed = None;
-        }
         again.then_some(End::Again(SpecialKind::BranchPoint))
     }
 

@@ -2,6 +2,7 @@
 
 use super::Point;
 use crate::analysis::periodic::shooting::Shooting;
+use crate::numerics::Complex;
 use crate::numerics::stored::{list, number};
 use serde::{Deserialize, Serialize};
 
@@ -239,6 +240,17 @@ impl Special {
             && self.point.impacts == other.point.impacts
             && (own - others).abs() <= near.state * own.abs()
             && self.is_at(other, near)
+    }
+
+    /// Whether it is the same point or its mirror image, of branches of which all is the same but states: multipliers as well.
+    pub(in crate::analysis::periodic) fn is_image_of(&self, other: &Self, near: Near) -> bool {
+        let (own, others) = (&self.point.multipliers, &other.point.multipliers);
+        let are_one = |(a, b): (&Complex, &Complex)| {
+            (a.re - b.re).hypot(a.im - b.im) <= near.state * (1.0 + a.modulus())
+        };
+        self.is_like(other, near)
+            && own.len() == others.len()
+            && own.iter().zip(others).all(are_one)
     }
 
     /// Whether both are at one value of the parameter.

@@ -2,7 +2,7 @@
 
 use crate::periodic::{GRAZES, branch_spec, nearest, orbit, over, value, with};
 use chatter::analysis::periodic::{
-    Beside, Branch, Distinct, End, Spec, SpecialKind, Start, branches,
+    Beside, Branch, Distinct, End, Spec, SpecialKind, Start, Told, branches,
 };
 use std::ops::ControlFlow;
 
@@ -442,4 +442,81 @@ fn orbits_told_from_sections_alone_are_told_once() {
     assert_eq!(branch.ends, [End::Closed, End::Closed]);
     assert_eq!(of(branch, SpecialKind::Fold).len(), branch.special.len());
     assert_eq!(branch.special.len(), 2);
+}
+
+/// A mass between two stops, its own mirror image but for half a period: what begins in a symmetric model comes in pairs, and goes by way of its mirror
+/// image on the branch that it leaves. The doubling by closed forms of the flights, in forty digits.
+const FREE_PLAY: &str = r#"
+[parameters]
+om = 1
+[flight]
+x = "v"
+v = "cos(om*t) - 0.1*v"
+[[contact]]
+name = "right"
+gap = "1 - x"
+impulse = { v = -1 }
+restitution = 0.7
+[[contact]]
+name = "left"
+gap = "1 + x"
+impulse = { v = 1 }
+restitution = 0.7
+[initial]
+x = 0.1
+v = 0.3
+"#;
+
+/// The branch from here, and those that leave at its doublings; how many orbits were told of on the way.
+fn doubled_once(start: &str, range: (f64, f64)) -> (Vec<Branch>, usize) {
+    let model = with(FREE_PLAY, &[("om", start)]);
+    let beside = Beside {
+        doublings: 1,
+        branch_points: 0,
+    };
+    let spec = branch_spec(&model, ("om", range), (20, 0.03), beside);
+    let mut told = 0;
+    let found = branches(&model, &Spec::default(), &spec, Vec::new(), &mut |what| {
+        told += usize::from(matches!(what, Told::Orbit(_)));
+        ControlFlow::Continue(())
+    });
+    (found.unwrap(), told)
+}
+
+#[test]
+fn of_mirror_images_one_is_followed() {
+    let (found, _) = doubled_once("1", (0.96, 1.16));
+    let [simple, doubled] = &found[..] else {
+        panic!("{} branches", found.len());
+    };
+    let doublings = (simple.special.iter()).filter(|s| s.kind == SpecialKind::PeriodDoubling);
+    let all: Vec<f64> = doublings
+        .chain(
+            doubled
+                .special
+                .iter()
+                .filter(|s| s.kind == SpecialKind::BranchPoint),
+        )
+        .map(value)
+        .collect();
+    let off = all.iter().map(|at| (at - 0.972_027_423_620_860_4).abs());
+    assert!(all.len() == 3 && { off }.all(|off| off < 1e-12), "{all:?}");
+}
+
+/// A branch of doubled orbits that leads from one doubling to another is not followed from there once more.
+#[test]
+fn nothing_is_followed_where_doubled_orbits_end() {
+    let (found, told) = doubled_once("0.842", (0.8, 0.87));
+    let [simple, _, doubled] = &found[..] else {
+        panic!("{} branches", found.len());
+    };
+    assert_eq!(simple.special.len(), 3);
+    let again = End::Again(SpecialKind::BranchPoint);
+    assert_eq!(doubled.ends, [again.clone(), again]);
+    let listed: usize = found
+        .iter()
+        .map(|branch| branch.points.len() + branch.special.len())
+        .sum();
+    // Those beside special points are not listed.
+    assert!(told < listed + listed / 10, "{told} orbits for {listed}");
 }
