@@ -87,10 +87,10 @@ fn vertex(through: &[(f64, f64)]) -> Option<(f64, f64)> {
     (bend > 0.0).then_some((lowest, depth))
 }
 
-/// Whether more than one displacement lasts, so that multipliers may pass together.
-fn has_several(point: &Point) -> bool {
+/// How many displacements last: where that is several, multipliers may pass together.
+fn lasting(point: &Point) -> usize {
     let lasting = point.multipliers.iter().filter(|m| m.modulus() > LASTING);
-    lasting.count() > 1
+    lasting.count()
 }
 
 /// The middle of each two that follow each other.
@@ -180,7 +180,8 @@ impl Walker {
         (here, there): (&Point, &Point),
         found: &[(Passed, Station, f64)],
     ) -> Option<f64> {
-        if !(has_several(here) || has_several(there)) {
+        // Of two the product is smooth, whatever each of them does.
+        if lasting(here).max(lasting(there)) < 3 {
             return None;
         }
         let places: Vec<f64> = found.iter().map(|(.., ahead)| *ahead).collect();
@@ -434,7 +435,7 @@ impl Walker {
         opens: bool,
     ) -> Option<End> {
         let (mut station, mut point, mut gone) = (from.clone(), here.clone(), 0.0);
-        if has_several(here) || has_several(there) {
+        if lasting(here).max(lasting(there)) > 1 {
             let nearer = |k: i32| SHORTER.powi(k);
             let parts: Vec<f64> = match opens {
                 true => (1..=TOWARDS).rev().map(nearer).collect(),
