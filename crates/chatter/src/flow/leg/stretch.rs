@@ -126,6 +126,9 @@ impl From<FlowError> for Astray {
     }
 }
 
+/// The knot that a stretch begins at is passed in this part of its longest time, if it is not behind already.
+const AT_START: f64 = 1e-6;
+
 /// A stretch has no more events than this.
 const MOST_EVENTS: usize = 20_000;
 
@@ -139,12 +142,13 @@ impl Stretch {
     }
 
     /// Follows the flow from a state until the stretch ends, at the latest after `longest`; for so long where a time says
-    /// the end.
+    /// the end. Where what comes before it ends at a knot, that guard is told: the state may lie short of it by rounding, or by what the
+    /// solution of the orbit's equations has yet to close.
     pub(crate) fn follow<R: Real>(
         &self,
         follower: &mut Follower<R>,
         parameters: &[R],
-        x: &[R],
+        (x, after): (&[R], Option<GuardKind>),
         longest: R,
     ) -> Result<Landing<R>, Astray> {
         let system = &self.system;
@@ -209,6 +213,10 @@ impl Stretch {
             }
             let by = trajectory.ended_by();
             let now = trajectory.time();
+            let at_start = (now - clock).to_f64() <= AT_START * longest.to_f64();
+            if at_start && passes == 0 && by.is_some() && by == after.filter(is_knot) {
+                continue;
+            }
             if by.is_some() {
                 let dense = work.dense();
                 let end = || (0..start.len()).map(|i| dense.state(i, R::ONE)).collect();
@@ -280,6 +288,11 @@ impl Stretch {
 /// Whether it is a corner that ends a step.
 pub(crate) fn is_corner(guard: &GuardKind) -> bool {
     matches!(guard, GuardKind::Switch(_) | GuardKind::Piece(..))
+}
+
+/// Whether a knot of a lookup ends a step.
+fn is_knot(guard: &GuardKind) -> bool {
+    matches!(guard, GuardKind::Piece(..))
 }
 
 /// Whether a lookup has come to the end of a piece, to this side, between these two.

@@ -102,6 +102,46 @@ fn the_folds_of_duffings_oscillator_meet_in_a_cusp() {
     assert!(on[0][1] != on[1][1], "{on:?}");
 }
 
+/// Fixed points x^2 = 1 - f - b^2 of a map fold at x = 0: of all that curve f is largest where it is symmetric, and there it begins, swept over
+/// either parameter.
+#[test]
+fn a_curve_begins_where_its_parameter_is_largest() {
+    let text = "[parameters]\nf = 0.75\nb = 0\n[flight]\nclock = \"1\"\nx = \"0\"\n[[event]]\nname = \"step\"\n\
+        surface = \"clock - 1\"\ndirection = \"rising\"\n[event.reset]\nclock = \"0\"\n\
+        x = \"x + 0.3*(1 - f - b^2 - x^2)\"\n[initial]\nclock = 0\nx = 0.5\n";
+    let found = over(&with(text, &[]), "f", (0.5, 1.5), (3, 0.05));
+    let fold = nearest(&found, &[SpecialKind::Fold], 1.0);
+    assert!((value(&fold) - 1.0).abs() < 1e-15);
+    let known = Known {
+        kind: fold.kind,
+        monitor: None,
+        state: fold.point.state.clone(),
+        period: fold.point.period,
+    };
+    let limits = Limits {
+        range: (0.5, 1.5),
+        other: None,
+        impacts: 3,
+        points: 500,
+        longest_step: 0.05,
+    };
+    let there = with(text, &[("f", &*format!("{:?}", value(&fold)))]);
+    let curve = curve_within(&there, ["b", "f"], (&known, 0.0), &limits).unwrap();
+    assert_eq!(curve.ends, [End::Range, End::Range]);
+    for point in &curve.points {
+        let [b, f] = point.parameters[..] else {
+            panic!("{point:?}")
+        };
+        assert!((f - (1.0 - b * b)).abs() < 1e-14, "{b} {f}");
+    }
+    let sides = [curve.points.first(), curve.points.last()];
+    let sides = sides.map(|end| end.map(|point| point.parameters[0]));
+    assert!(
+        sides[0].zip(sides[1]).is_some_and(|(a, b)| a * b < -0.49),
+        "{sides:?}"
+    );
+}
+
 /// x'' + c x' + x = cos(w t) below the wall s: the orbit without impacts touches it where its amplitude is s, and goes on
 /// with one impact.
 #[test]

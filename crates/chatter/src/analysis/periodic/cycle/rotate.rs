@@ -57,7 +57,9 @@ fn drifts(workshop: &Workshop, parameters: &[f64], steps: &[Step]) -> Vec<f64> {
         Passage::Stretch(kind) => workshop.stretch(kind).and_then(|stretch| {
             let longest = LONGEST * last.duration;
             let follower = &mut stretch.follower(&settings);
-            stretch.follow(follower, &all, &last.start, longest).ok()
+            let before = steps.iter().rev().cycle().nth(1).and_then(Step::ends_at);
+            let start = (&*last.start, before);
+            stretch.follow(follower, &all, start, longest).ok()
         }),
     };
     landing.map_or_else(none, |landing| {

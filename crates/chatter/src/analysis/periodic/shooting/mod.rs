@@ -534,7 +534,8 @@ impl<R: Real> Shooting<R> {
                         Some(_) => LONGEST * step.duration,
                         None => step.duration,
                     });
-                    let followed = stretch.follow(follower, &all, x, longest);
+                    let after = self.steps[around(index, -1, self.steps.len())].ends_at();
+                    let followed = stretch.follow(follower, &all, (x, after), longest);
                     followed.map_err(|astray| match astray {
                         Astray::Failed(error) => {
                             Left::because(error.named(&self.workshop.model))

@@ -73,7 +73,6 @@ pub(crate) fn follow(
     diary: &mut Diary<'_>,
 ) -> Result<SpecialCurve, PeriodicError> {
     let begun = begin(workshop, free, known)?;
-    let last = begun.at.len() - 1;
     let mut sides: Vec<Side> = Vec::new();
     let mut first = None;
     for forward in [false, true] {
@@ -85,7 +84,8 @@ pub(crate) fn follow(
         let bordered = (begun.condition)
             .near(&mut shooting, &begun.at, None)
             .map_err(failed)?;
-        let station = Station::near(&mut bordered.of(&mut shooting), &begun.at, last);
+        // In a symmetric model the parameter has its most or least value just there.
+        let station = Station::beside(&mut bordered.of(&mut shooting), &begun.at);
         let station = station.map_err(failed)?;
         let station = if forward { station } else { station.reversed() };
         shooting.evaluate(&station.at).map_err(failed)?;

@@ -123,8 +123,7 @@ fn begin_at(
         }
         _ => return Err(no_curve()),
     };
-    let held = Row::held(&at, at.len() - 1..at.len());
-    let begun = solved((shooting, at), (condition, grazing), known.kind, &held)?;
+    let begun = found_again((shooting, at), (condition, grazing), known.kind)?;
     match grazing {
         Some(_) => without_other_grazes(begun, known.kind),
         None => Ok(begun),
@@ -144,13 +143,29 @@ fn without_other_grazes(mut begun: Begun, kind: SpecialKind) -> Result<Begun, Pe
         let Some(index) = shooting.without_rate() else {
             return Err(failed("all impacts that graze are one"));
         };
-        let held = Row::held(&at, at.len() - 1..at.len());
-        let condition = Condition::Monitor(index);
-        begun = solved((shooting, at), (condition, Some(index)), kind, &held)?;
+        let condition = (Condition::Monitor(index), Some(index));
+        begun = found_again((shooting, at), condition, kind)?;
     }
 }
 
-/// The solution near a guess, where one more row is held: the last parameter, mostly.
+/// The solution near a guess, at its last parameter; where that has its most or least value of all the curve, as in symmetric models, at the other.
+fn found_again(
+    (shooting, at): (Shooting<f64>, Vec<f64>),
+    of: (Condition, Option<usize>),
+    kind: SpecialKind,
+) -> Result<Begun, PeriodicError> {
+    let last = at.len() - 1;
+    let found = |place: usize| {
+        let held = Row::held(&at, place..place + 1);
+        solved((shooting.clone(), at.clone()), of, kind, &held)
+    };
+    found(last).or_else(|why| match shooting.parameters() {
+        2 => found(last - 1).map_err(|_| why),
+        _ => Err(why),
+    })
+}
+
+/// The solution near a guess, where one more row is held.
 pub(super) fn solved(
     (mut shooting, at): (Shooting<f64>, Vec<f64>),
     (condition, grazing): (Condition, Option<usize>),

@@ -40,3 +40,34 @@ fn a_cycle_leaves_both_walls_at_once() {
         }
     }
 }
+
+/// A clapper strikes both sides of a driven bell in turn, and both impacts lose their rates at once: beyond, the bell is silent. So it is whatever the
+/// step that comes to that place, and though the first orbit that is looked at without one of the impacts lies beyond it. The value is
+/// that of another integrator.
+#[test]
+fn a_clapper_falls_silent_on_both_sides() {
+    let text = "[parameters]\nomega = 1.7\n[flight]\na = \"p\"\np = \"0.5*cos(omega*t) - 0.7*sin(a) - 0.25*p\"\nb = \"q\"\n\
+        q = \"-1.3*sin(b) - 0.1*(q - p)\"\n[[contact]]\nname = \"left\"\ngap = \"0.35 - (b - a)\"\n\
+        impulse = { p = 0.15, q = -1 }\nrestitution = 0.5\n[[contact]]\nname = \"right\"\ngap = \"0.35 + (b - a)\"\n\
+        impulse = { p = -0.15, q = 1 }\nrestitution = 0.5\n[section.s]\nsurface = \"sin(omega*t)\"\ndirection = \"rising\"\n\
+        [initial]\na = 0.1\np = 0\nb = 0\nq = 0.3\n";
+    let found = over(&with(text, &[]), "omega", (1.42, 2.7), (4, 0.06));
+    let branch = &found[0];
+    assert_eq!(branch.ends, [End::Range, End::Range]);
+    let grazes = (branch.special.iter()).filter(|special| special.kind != SpecialKind::Fold);
+    let grazes: Vec<f64> = grazes.map(value).collect();
+    assert_eq!(grazes.len(), 2);
+    assert!(
+        grazes
+            .iter()
+            .all(|graze| (graze - 1.430_167_938_581_28).abs() < 1e-12)
+    );
+    assert_eq!(
+        branch.points.first().map(|point| point.impacts),
+        Some(Some(2))
+    );
+    assert_eq!(
+        branch.points.last().map(|point| point.impacts),
+        Some(Some(0))
+    );
+}

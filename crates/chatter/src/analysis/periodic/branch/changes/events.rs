@@ -280,8 +280,24 @@ impl Shooting<f64> {
         steps: &mut Vec<Step>,
         index: usize,
     ) -> Result<usize, PeriodicError> {
+        let (slip, index) = self.take_out_after(at, steps, index)?;
+        let next = around(index, 1, steps.len());
+        if next != index {
+            steps[next].start = slip.start;
+        }
+        steps[next].duration += slip.duration;
+        Ok(index)
+    }
+
+    /// Takes out the step after another one, and says which that is then: what comes after both is of the same turn, where it is not the step
+    /// before them.
+    pub(super) fn take_out_after(
+        &self,
+        at: &[f64],
+        steps: &mut Vec<Step>,
+        index: usize,
+    ) -> Result<(Step, usize), PeriodicError> {
         let count = steps.len();
-        // What comes after it is to be of the same turn, where it is not the step before it.
         let by = match count {
             2 => index,
             _ => (index + 3).saturating_sub(count),
@@ -291,13 +307,7 @@ impl Shooting<f64> {
             rotate(&self.workshop, &parameters, (steps, &self.counts), by)?;
         }
         let index = index - by;
-        let slip = steps.remove(index + 1);
-        if count > 2 {
-            steps[index + 1].start = slip.start;
-        }
-        let next = around(index, 1, steps.len());
-        steps[next].duration += slip.duration;
-        Ok(index)
+        Ok((steps.remove(index + 1), index))
     }
 
     /// Equations of other steps of the same system, and a guess of their solution.

@@ -69,7 +69,8 @@ impl Walker {
             (&from, step),
             broken,
         );
-        let first = first.map(|first| break_before(&mut self.shooting, &mut reader, &from, first));
+        let first =
+            first.map(|first| break_before(&mut self.shooting, &mut reader, (&from, step), first));
         let Some((broken, station, reached)) = first else {
             if let Some(end) = self.ends_with_strike(&from, here) {
                 return Stop::End(end);

@@ -424,15 +424,18 @@ const HIDDEN: usize = 4;
 const NOT_QUITE: f64 = 1e-5;
 
 /// What breaks before a place that was found, if something does: at the end of the step it may have come to hold again, or break in another
-/// way, as the end of a stick after an impact that then loses its rate.
+/// way, as the end of a stick after an impact that then loses its rate. Not of what breaks where the step begins, up to what makes two places one.
 pub(super) fn break_before(
     problem: &mut dyn Problem<f64>,
     reader: &mut Shooting<f64>,
-    from: &Station,
+    (from, step): (&Station, f64),
     mut first: (Broken, Station, f64),
 ) -> (Broken, Station, f64) {
     for _ in 0..HIDDEN {
         let close = first.2 * (1.0 - NOT_QUITE);
+        if close <= TIE * step.abs() {
+            break;
+        }
         let Ok((before, _)) = from.ahead(problem, close) else {
             break;
         };

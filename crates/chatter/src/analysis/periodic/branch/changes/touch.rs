@@ -13,7 +13,6 @@ use crate::analysis::periodic::branch::{Point, SpecialKind};
 use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::condition::Bordered;
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step, around};
-use crate::analysis::periodic::cycle::rotate::rotate;
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::{Exchanged, Shooting, mode_there};
 use crate::expressions::{Asked, Side};
@@ -197,19 +196,7 @@ impl Shooting<f64> {
         index: usize,
     ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
         let mut steps = self.current_steps(at);
-        let count = steps.len();
-        let mut index = index;
-        // What comes after the stay is to be of the same turn, where it is not the step before it.
-        let by = match count {
-            2 => index,
-            _ => (index + 3).saturating_sub(count),
-        };
-        if by > 0 {
-            let parameters = self.workshop.parameters(self.free(at));
-            rotate(&self.workshop, &parameters, (&mut steps, &self.counts), by)?;
-            index -= by;
-        }
-        let stay = steps.remove(index + 1);
+        let (stay, index) = self.take_out_after(at, &mut steps, index)?;
         steps[index].duration += 0.5 * stay.duration;
         steps[index].closed = stay.closed;
         let next = around(index, 1, steps.len());
