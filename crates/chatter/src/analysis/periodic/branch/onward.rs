@@ -72,6 +72,10 @@ impl Walker {
                 let (low, high) = self.limits.range;
                 let is_at =
                     |edge: f64| (value - edge).abs() <= roundoff(edge.abs().max(high - low));
+                if self.limits.beyond(value).is_some_and(|edge| !is_at(edge)) {
+                    // The range ends before.
+                    continue;
+                }
                 let is_edge = self.limits.beyond(next.parameter()).is_some_and(is_at);
                 let end = match is_edge {
                     true => End::Range,

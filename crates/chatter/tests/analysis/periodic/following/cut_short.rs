@@ -1,7 +1,7 @@
 //! A stick that an impact cuts short, and that begins just there.
 
 use crate::periodic::{over, value, with};
-use chatter::analysis::periodic::SpecialKind;
+use chatter::analysis::periodic::{End, SpecialKind};
 
 /// A mass on a belt hits a stop. Where its stick begins just at the impact the branch turns back as the orbit that slips all the way. The place
 /// by an integration of the slip (DOP853, tolerance 1e-13) from that impact to the velocity of the belt.
@@ -54,5 +54,34 @@ fn a_branch_turns_back_where_a_stick_begins_at_the_impact_that_ends_it() {
             known(near)
         );
         assert!(branch.points.iter().any(|point| known(point) == 0.0));
+    }
+}
+
+/// An oscillator with drag as the square of its velocity meets a shaken stop. Where its velocity turns just at the impact nothing stays at zero velocity,
+/// since the drag does not jump there, and all doublings are told whatever the start. That at 0.973 is 0.973295955 by another integrator, too.
+#[test]
+fn what_turns_at_an_impact_does_not_stay_where_no_field_jumps() {
+    let text = "[parameters]\nw = 1.2\n[flight]\nx = \"v\"\nv = \"-0.2*v*abs(v) - x\"\n[[contact]]\nname = \"stop\"\n\
+        gap = \"x + 0.2 - 0.5*sin(w*t)\"\nimpulse = { v = 1 }\nrestitution = 0.6\n[section.strobe]\n\
+        surface = \"sin(w*t)\"\ndirection = \"rising\"\n[initial]\nx = 1\nv = 0\n";
+    for start in ["1.2", "1.0"] {
+        let found = over(&with(text, &[("w", start)]), "w", (0.8, 1.3), (4, 0.05));
+        let branch = &found[0];
+        assert_eq!(branch.ends, [End::Range, End::Range], "{start}");
+        assert!(
+            branch.points.iter().all(|point| point.impacts == Some(1)),
+            "{start}"
+        );
+        let doublings = (branch.special.iter()).filter(|s| s.kind == SpecialKind::PeriodDoubling);
+        let doublings: Vec<f64> = doublings.map(value).collect();
+        assert_eq!(doublings.len(), 2, "{start}");
+        assert!(
+            (doublings[0] - 0.894_718_754_368_7).abs() < 1e-12,
+            "{start} {doublings:?}"
+        );
+        assert!(
+            (doublings[1] - 0.973_295_954_981_5).abs() < 1e-12,
+            "{start} {doublings:?}"
+        );
     }
 }

@@ -29,5 +29,9 @@ fn a_branch_ends_where_a_restitution_does() {
         let (all, low, _) = ends((0.0, 1.0));
         assert_eq!(all, [End::Range, End::Range], "{step}");
         assert!(low.abs() < 1e-15, "{step} {low}");
+        // Within one step of 1.
+        let (all, _, high) = ends((0.2, 0.99));
+        assert_eq!(all, [End::Range, End::Range], "{step}");
+        assert!((high - 0.99).abs() < 1e-15, "{step} {high}");
     }
 }

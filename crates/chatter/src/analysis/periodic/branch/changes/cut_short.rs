@@ -12,7 +12,7 @@ use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::expressions::Side;
 use crate::flow::GuardKind;
-use crate::flow::leg::{Jump, Least, LegKind};
+use crate::flow::leg::{Jump, LegKind};
 use crate::numerics::Real;
 
 /// What a stick brings about in a period is nothing if it is less than this part of what would be without it.
@@ -98,6 +98,26 @@ impl Shooting<f64> {
     }
 }
 
+impl Shooting<f64> {
+    /// Whether what keeps a step on a surface that it slides along does so where it begins: where the field does not jump there, as that of quadratic
+    /// drag, nothing does.
+    fn stays_on(&self, at: &[f64], (index, surface): (usize, usize)) -> bool {
+        let room = |side: Side| {
+            let mut watching = self.clone();
+            let watched = watching.watch_start(index, GuardKind::Leave(surface, side));
+            let function = watching.corner_function();
+            watched.ok().map(|()| watching.monitor(function, at))
+        };
+        let rooms: Vec<_> = [Side::Above, Side::Below]
+            .into_iter()
+            .filter_map(room)
+            .collect();
+        let has_room =
+            |room: &Result<(f64, Vec<f64>), Left>| matches!(room, Ok((value, _)) if *value >= 0.0);
+        !rooms.is_empty() && rooms.iter().all(has_room)
+    }
+}
+
 impl Walker {
     /// On from where a stick or slide that the event at its end cuts short takes no time any more.
     pub(super) fn hold_vanishes(
@@ -168,11 +188,7 @@ impl Walker {
         if rate.abs() <= STANDS * (changes * longer.period()).abs() {
             return None;
         }
-        let sticks = longer.least(&next.at).ok()?;
-        let leaves = |least: &Least| {
-            matches!(least.guard, GuardKind::Leave(of, _) if of == surface) && least.value < 0.0
-        };
-        if sticks.get(held)?.iter().any(leaves) {
+        if !longer.stays_on(&next.at, (held, surface)) {
             return None;
         }
         let met = (self.shooting).at_corner(&station.at, (index, GuardKind::Switch(surface)));
