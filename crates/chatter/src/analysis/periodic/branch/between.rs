@@ -148,7 +148,7 @@ impl Walker {
         self.passed_between(halvings, (from, to), step, (here, there))
     }
 
-    /// The same in two parts, the first of them this part of the way. None where it cannot be parted.
+    /// The same in two parts, the first of them this part of the way. None where it cannot be parted, or there is no use in it.
     fn between_parts(
         &mut self,
         halvings: usize,
@@ -160,7 +160,7 @@ impl Walker {
         self.settle(&middle);
         let halfway = Point::new(&mut self.shooting, &middle);
         let left = middle.reach(&to.at, self.shooting.scales());
-        if left <= 0.0 {
+        if left <= 0.0 || self.is_rounding((from, to), step, [here, &halfway, there]) {
             return None;
         }
         let near = (from, &middle, part * step, (here, &halfway));

@@ -7,6 +7,7 @@
 //! ```text
 //! walker       one side of a branch, station by station
 //! between      special points between two stations
+//! rounding     whether what multipliers do there is more than rounding
 //! at_events    stations that are the point of an event
 //! branch_point those where branches meet
 //! changes/     from one sequence of events to the next
@@ -41,6 +42,7 @@ mod kept;
 mod limits;
 mod onward;
 mod point;
+mod rounding;
 mod special;
 mod walker;
 

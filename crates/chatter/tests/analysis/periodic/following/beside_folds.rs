@@ -52,3 +52,34 @@ fn a_pair_that_passes_the_circle_beside_a_fold_and_comes_back_is_told() {
         assert_eq!(kinds, [1, 1, 2], "{c} {step}");
     }
 }
+
+/// A map with the multipliers -1/2 - p, which passes -1 at p = 1/2, and three pairs about -0.9 that go to and fro beyond -1 within roundings of p, but
+/// for p < 0.7. On either half of a way as many are beyond -1 as on the whole: halved again and again it is looked at for hours.
+#[test]
+fn what_rounding_does_to_multipliers_is_not_looked_at_ever_closer() {
+    let names = ["a", "b", "c", "d", "e", "f"];
+    let mut text = String::from(
+        "[parameters]\np = 0.1\n[definitions]\nnoise = \"0.5/(1 + exp(200*(0.8 - p)))\"\n[flight]\nclock = \"1\"\nx = \"0\"\n",
+    );
+    for name in names {
+        text += &format!("{name} = \"0\"\n");
+    }
+    text += "[[event]]\nname = \"step\"\nsurface = \"clock - 1\"\ndirection = \"rising\"\n[event.reset]\nclock = \"0\"\n\
+        x = \"-(0.5 + p)*x\"\n";
+    for (name, often) in names
+        .iter()
+        .zip([1e11, 1e11, 1.3e11, 1.3e11, 1.7e11, 1.7e11])
+    {
+        text += &format!("{name} = \"(noise*sin({often}*p) - 0.9)*{name}\"\n");
+    }
+    text += "[initial]\nclock = 0\nx = 0\n";
+    for name in names {
+        text += &format!("{name} = 0\n");
+    }
+    let found = over(&with(&text, &[]), "p", (0.0, 1.0), (8, 0.1));
+    let told: Vec<f64> = found[0].special.iter().map(value).collect();
+    let clean: Vec<&f64> = told.iter().filter(|value| **value < 0.7).collect();
+    assert_eq!(clean.len(), 1, "{told:?}");
+    assert!((clean[0] - 0.5).abs() < 1e-15, "{told:?}");
+    assert!(told.len() < 100, "{}", told.len());
+}
