@@ -2,6 +2,7 @@
 
 use crate::periodic::{over, value, with};
 use chatter::analysis::periodic::{End, SpecialKind};
+use core::f64::consts::PI;
 
 /// Van der Pol's cycle between two walls touches both at once where they are as far apart as it is wide: beyond it goes on free. Its amplitude is
 /// that of another integrator.
@@ -70,4 +71,35 @@ fn a_clapper_falls_silent_on_both_sides() {
         branch.points.last().map(|point| point.impacts),
         Some(Some(0))
     );
+}
+
+/// A free ball strikes both ends of a shaken box in turn, V fast: (pi V/2 - b)^2 + (V (1 - r)/(1 + r))^2 = a^2. Where it comes to rest the box touches it
+/// at both ends, and nothing is left that strikes: there the branch ends, and beyond are no orbits with an impact whose rate is rounding.
+#[test]
+fn a_ball_that_comes_to_rest_between_two_walls_strikes_no_more() {
+    let text = "[parameters]\na = 0.3\n[flight]\ny = \"v\"\nv = \"0\"\n[[contact]]\nname = \"right\"\n\
+        gap = \"0.8 + a*sin(t) - y\"\nimpulse = { v = -1 }\nrestitution = 0.7\n[[contact]]\nname = \"left\"\n\
+        gap = \"0.8 - a*sin(t) + y\"\nimpulse = { v = 1 }\nrestitution = 0.7\n[section.s]\nsurface = \"sin(t)\"\n\
+        direction = \"rising\"\n[initial]\ny = -0.2831\nv = 0.6842\n";
+    let (rests, slow) = (0.8, 0.3 / 1.7);
+    let folds = rests * slow / (0.25 * PI * PI + slow * slow).sqrt();
+    for step in [0.1, 0.03] {
+        let found = over(&with(text, &[]), "a", (0.05, 1.5), (6, step));
+        let branch = &found[0];
+        let is_at_rest = |end: &&End| matches!(end, End::Lost(why) if why.contains("at rest"));
+        assert_eq!(branch.ends.iter().filter(is_at_rest).count(), 1, "{step}");
+        assert!(
+            branch.points.iter().all(|point| point.impacts == Some(2)),
+            "{step}"
+        );
+        for (kind, expected) in [
+            (SpecialKind::Fold, folds),
+            (SpecialKind::FlightGraze, rests),
+        ] {
+            let told = branch.special.iter().filter(|special| special.kind == kind);
+            let told: Vec<f64> = told.map(value).collect();
+            assert_eq!(told.len(), 1, "{step} {kind:?}");
+            assert!((told[0] - expected).abs() < 1e-13, "{step} {told:?}");
+        }
+    }
 }

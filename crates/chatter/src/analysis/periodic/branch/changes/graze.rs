@@ -760,9 +760,30 @@ impl Walker {
         if is_impact && let Some(special) = self.special.last_mut() {
             special.kind = graze(forward);
         }
+        let next = if forward { next } else { reversed };
+        if is_impact && stays_without_rate(&mut shorter, &next) {
+            return Err("beyond, an impact has no rate, as of what is at rest".to_owned());
+        }
         self.shooting = shorter;
-        Ok(if forward { next } else { reversed })
+        Ok(next)
     }
+}
+
+/// So far on an impact that is one has a rate.
+const ONWARD: f64 = 1e-3;
+
+/// Whether an impact that has lost its rate gains none on the way from a station: that of a mass which, once it strikes no more, stands still where
+/// it is touched.
+fn stays_without_rate(shooting: &mut Shooting<f64>, station: &Station) -> bool {
+    if shooting.evaluate(&station.at).is_err() {
+        return false;
+    }
+    let Some(index) = shooting.without_rate() else {
+        return false;
+    };
+    let onward = station.ahead(shooting, ONWARD);
+    onward.is_ok_and(|(onward, _)| shooting.evaluate(&onward.at).is_ok())
+        && shooting.has_lost_rate(index)
 }
 
 /// How far the parameter has gone between two stations, if that is more than rounding of it: all orbits of a family may have one value.
