@@ -161,9 +161,9 @@ impl<R: Real> Station<R> {
         let size = start.len();
         let scales = problem.scales().to_vec();
         // Where the equations are singular with the parameter held the direction is what they take to zero, only the longer.
-        let mut beside = |k: usize| tangent(problem, start, &unit(size, k));
-        let along = beside(size - 1);
-        let along = along.or_else(|why| (0..size).find_map(|k| beside(k).ok()).ok_or(why))?;
+        let mut with_held = |k: usize| tangent(problem, start, &unit(size, k));
+        let along = with_held(size - 1);
+        let along = along.or_else(|why| (0..size).find_map(|k| with_held(k).ok()).ok_or(why))?;
         let measured = |k: usize| (along[k].to_f64() / scales[k]).abs();
         let fixed = match measured(size - 1) > STANDS {
             true => size - 1,

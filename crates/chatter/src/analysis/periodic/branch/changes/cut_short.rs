@@ -96,9 +96,7 @@ impl Shooting<f64> {
         guess[longer.node_places(index + 1)].copy_from_slice(&longer.latest[index].image);
         Ok((longer, guess, index + 1))
     }
-}
 
-impl Shooting<f64> {
     /// Whether what keeps a step on a surface that it slides along does so where it begins: where the field does not jump there, as that of quadratic
     /// drag, nothing does.
     fn stays_on(&self, at: &[f64], (index, surface): (usize, usize)) -> bool {
@@ -106,15 +104,15 @@ impl Shooting<f64> {
             let mut watching = self.clone();
             let watched = watching.watch_start(index, GuardKind::Leave(surface, side));
             let function = watching.corner_function();
-            watched.ok().map(|()| watching.monitor(function, at))
+            let room = || watching.monitor(function, at).map(|(room, _)| room);
+            watched.is_ok().then(room)
         };
         let rooms: Vec<_> = [Side::Above, Side::Below]
             .into_iter()
             .filter_map(room)
             .collect();
-        let has_room =
-            |room: &Result<(f64, Vec<f64>), Left>| matches!(room, Ok((value, _)) if *value >= 0.0);
-        !rooms.is_empty() && rooms.iter().all(has_room)
+        let is_there = |room: &Result<f64, Left>| room.as_ref().is_ok_and(|room| *room >= 0.0);
+        !rooms.is_empty() && rooms.iter().all(is_there)
     }
 }
 
