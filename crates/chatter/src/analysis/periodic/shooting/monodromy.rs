@@ -150,6 +150,11 @@ impl<R: Real> Shooting<R> {
         (impacts.iter().filter(lost).map(|(index, ..)| *index)).collect()
     }
 
+    /// Whether nothing happens to displacements at the end of a step, as of the latest evaluation.
+    pub(crate) fn is_smooth(&self, index: usize) -> bool {
+        self.smooth.get(index).is_some_and(|smooth| *smooth)
+    }
+
     /// Whether a surface is crossed with next to no rate. Where the field jumps there, what the crossing and the way back do to a
     /// displacement are large and all but cancel: multipliers have few digits, or none.
     pub(crate) fn crosses_slowly(&self) -> bool {

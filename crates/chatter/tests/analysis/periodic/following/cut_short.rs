@@ -84,4 +84,11 @@ fn what_turns_at_an_impact_does_not_stay_where_no_field_jumps() {
             "{start} {doublings:?}"
         );
     }
+    // With two impacts a period another one turns it, from either side.
+    for start in ["0.57", "0.7"] {
+        let found = over(&with(text, &[("w", start)]), "w", (0.55, 0.7), (4, 0.1));
+        let branch = &found[0];
+        assert_eq!(branch.ends, [End::Range, End::Range], "{start}");
+        assert!(branch.special.is_empty(), "{start} {:?}", branch.special);
+    }
 }

@@ -245,7 +245,9 @@ impl Walker {
                     true => (index, guard),
                     false => (self.shooting.before(index), guard),
                 };
-                if !self.meets_with_event(&station, met, &there) {
+                // Where the field goes on as it is nothing happens to the orbit.
+                let goes_on = !slides && self.shooting.is_smooth(index);
+                if !self.meets_with_event(&station, met, &there) && !goes_on {
                     self.begins_at_its_end((&from, &station), &broken, &there);
                 }
                 Err(broken.told(&self.shooting))
