@@ -771,8 +771,9 @@ impl Walker {
     }
 }
 
-/// So far on an impact that is one has a rate.
+/// So far on an impact that is one has a rate, of more than this part of others.
 const ONWARD: f64 = 1e-3;
+const STANDS: f64 = 1e-10;
 
 /// Whether an impact that has lost its rate gains none on the way from a station: that of a mass which, once it strikes no more, stands still where
 /// it is touched.
@@ -785,7 +786,7 @@ fn stays_without_rate(shooting: &mut Shooting<f64>, station: &Station) -> bool {
     };
     let onward = station.ahead(shooting, ONWARD);
     onward.is_ok_and(|(onward, _)| shooting.evaluate(&onward.at).is_ok())
-        && shooting.has_lost_rate(index)
+        && shooting.slower_than(STANDS).contains(&index)
 }
 
 /// How far the parameter has gone between two stations, if that is more than rounding of it: all orbits of a family may have one value.
