@@ -435,7 +435,8 @@ u = 0.3
     let [branch] = &*found else {
         panic!("{} branches", found.len());
     };
-    assert!(branch.ends.contains(&End::Rounding(1)), "{:?}", branch.ends);
+    let is_at_rest = |end: &End| matches!(end, End::Lost(why) if why.contains("at rest"));
+    assert!(branch.ends.iter().any(is_at_rest), "{:?}", branch.ends);
 }
 
 /// Arcs of a bell and its clapper, which strikes either side, have two impacts more each and accumulate at a chatter border, T = 0.14806159387952. Where a
