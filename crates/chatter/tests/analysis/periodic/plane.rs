@@ -18,13 +18,17 @@ pub(super) fn curve(
     special: &Special,
     over: ((f64, f64), f64),
 ) -> SpecialCurve {
-    let known = Known {
+    curve_of(model, free, (&known(special), value(special)), over).unwrap()
+}
+
+/// What a special point is told by.
+fn known(special: &Special) -> Known {
+    Known {
         kind: special.kind,
         monitor: special.monitor,
         state: special.point.state.clone(),
         period: special.point.period,
-    };
-    curve_of(model, free, (&known, value(special)), over).unwrap()
+    }
 }
 
 fn curve_of(
@@ -112,21 +116,9 @@ fn a_curve_begins_where_its_parameter_is_largest() {
     let found = over(&with(text, &[]), "f", (0.5, 1.5), (3, 0.05));
     let fold = nearest(&found, &[SpecialKind::Fold], 1.0);
     assert!((value(&fold) - 1.0).abs() < 1e-15);
-    let known = Known {
-        kind: fold.kind,
-        monitor: None,
-        state: fold.point.state.clone(),
-        period: fold.point.period,
-    };
-    let limits = Limits {
-        range: (0.5, 1.5),
-        other: None,
-        impacts: 3,
-        points: 500,
-        longest_step: 0.05,
-    };
     let there = with(text, &[("f", &*format!("{:?}", value(&fold)))]);
-    let curve = curve_within(&there, ["b", "f"], (&known, 0.0), &limits).unwrap();
+    let range = ((0.5, 1.5), 0.05);
+    let curve = curve_of(&there, ["b", "f"], (&known(&fold), 0.0), range).unwrap();
     assert_eq!(curve.ends, [End::Range, End::Range]);
     for point in &curve.points {
         let [b, f] = point.parameters[..] else {
