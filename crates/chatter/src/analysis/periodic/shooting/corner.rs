@@ -129,7 +129,8 @@ impl<R: Real> Shooting<R> {
         self.watch((step, true), guard)
     }
 
-    pub(super) fn watch(
+    /// Watches a guard at the end of a step, or where it begins.
+    pub(crate) fn watch(
         &mut self,
         (step, at_start): (usize, bool),
         guard: GuardKind,
@@ -344,7 +345,7 @@ impl Shooting<f64> {
     }
 
     /// The state at the end of a leg, before its event changes it.
-    fn before_event(&self, at: &[f64], index: usize) -> Result<Vec<f64>, PeriodicError> {
+    pub(crate) fn before_event(&self, at: &[f64], index: usize) -> Result<Vec<f64>, PeriodicError> {
         let (Passage::Leg(kind), Some(place)) =
             (self.steps[index].passage, self.duration_place(index))
         else {

@@ -72,7 +72,10 @@ impl<R: Real> Shooting<R> {
 
     /// Whether the event at the end of a step may change places with the one before.
     pub(super) fn may_exchange(&self, index: usize) -> bool {
-        self.exchange(index).is_some() || self.is_way_back(index) || self.cut_short(index).is_some()
+        self.exchange(index).is_some()
+            || self.is_way_back(index)
+            || self.cut_short(index).is_some()
+            || self.led_onto(index).is_some()
     }
 
     fn exchange(&self, index: usize) -> Option<Exchange> {

@@ -28,7 +28,16 @@ impl Shooting<f64> {
         start: &[f64],
         (index, guard): (usize, GuardKind),
     ) -> Result<Solved, String> {
-        let known = self.watch_corner(index, guard);
+        self.where_vanishes(start, ((index, false), guard))
+    }
+
+    /// Where a guard vanishes at the end of a step, or where it begins.
+    pub(super) fn where_vanishes(
+        &mut self,
+        start: &[f64],
+        (place, guard): ((usize, bool), GuardKind),
+    ) -> Result<Solved, String> {
+        let known = self.watch(place, guard);
         known.map_err(|error| error.to_string())?;
         self.at_watched(start)
     }
@@ -188,6 +197,11 @@ impl Shooting<f64> {
     ) -> Result<Station, String> {
         let known = self.watch_corner(index, guard);
         known.map_err(|error| error.to_string())?;
+        self.inside_watched(at, met)
+    }
+
+    /// The first station from where what is watched vanishes, on the side where its guard is positive.
+    pub(super) fn inside_watched(&mut self, at: Vec<f64>, met: &Solved) -> Result<Station, String> {
         let function = self.corner_function();
         let gradient = self.monitor(function, &at);
         let (_, gradient) = gradient.map_err(|left| left.to_string())?;

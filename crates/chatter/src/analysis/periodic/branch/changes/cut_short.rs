@@ -1,11 +1,11 @@
-//! A stick or a slide that an impact or a reset cuts short, and that begins just there: its time, of either sign, is an unknown like others
-//! beside that place. Beyond it the event comes first, and takes the state off before it sticks. The branch goes on without the stick
-//! to where that is the motion, on in the parameter or back, and from there the same way in.
+//! A stick, a slide, or a way beyond a surface, that an impact or a reset cuts short, and that begins just there. On its other side the event comes first, and takes
+//! the state off before it sticks or crosses. The branch goes on without it to where that is the motion, on in the parameter or back, and from there the same
+//! way in.
 
-use super::graze::{THERE, moved};
-use crate::analysis::continuation::{Condition, Curve, Left, Problem, Station, newton, tangent};
+use super::events::unfollowed;
+use super::touch::Stay;
+use crate::analysis::continuation::{Curve, Left, Problem, Station};
 use crate::analysis::periodic::branch::Point;
-use crate::analysis::periodic::branch::limits::End;
 use crate::analysis::periodic::branch::walker::{Stop, Walker};
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::analysis::periodic::error::PeriodicError;
@@ -19,18 +19,28 @@ use crate::numerics::Real;
 const STANDS: f64 = 1e-9;
 
 impl<R: Real> Shooting<R> {
-    /// The surface that a step slides along since the event before it, where its own event is a jump and no end of that.
-    pub(in crate::analysis::periodic) fn cut_short(&self, index: usize) -> Option<usize> {
-        let [first, held] = [self.before(index), index].map(|k| &self.steps[k]);
-        let (Passage::Leg(meets), Passage::Leg(ends)) = (first.passage, held.passage) else {
-            return None;
-        };
-        let Some(GuardKind::Switch(surface)) = meets.ends_at else {
+    /// The guard of the event before a step that slides along its surface since then, or goes on beyond it, where its own event is a jump and no end of
+    /// that.
+    pub(in crate::analysis::periodic) fn cut_short(
+        &self,
+        index: usize,
+    ) -> Option<(GuardKind, Stay)> {
+        let before = self.before(index);
+        let [first, step] = [before, index].map(|k| &self.steps[k]);
+        let (Passage::Leg(meets), Passage::Leg(ends)) = (first.passage, step.passage) else {
             return None;
         };
         let jumps = matches!(ends.jump, Jump::Impact(_) | Jump::Reset(_));
-        let begins = meets.jump == Jump::None && !self.slides_along(first, surface);
-        (jumps && begins && self.slides_along(held, surface)).then_some(surface)
+        if !jumps || meets.jump != Jump::None || self.steps.len() < 2 {
+            return None;
+        }
+        let guard = meets.ends_at?;
+        if let GuardKind::Switch(surface) = guard
+            && self.slides_along(step, surface)
+        {
+            return (!self.slides_along(first, surface)).then_some((guard, Stay::On));
+        }
+        (self.crossed(before) == Some(guard)).then_some((guard, Stay::Beyond))
     }
 }
 
@@ -59,35 +69,36 @@ impl Shooting<f64> {
         Ok((shorter, at, index.checked_sub(1).unwrap_or(last)))
     }
 
-    /// The same orbit with such a step of no time before the event at the end of another one, which comes to this surface. The new step.
+    /// The same orbit with such a step of no time before the event at the end of another one, which comes to the surface of this guard. The new step.
     fn with_hold(
         &self,
         at: &[f64],
-        (index, surface): (usize, usize),
+        (index, guard, stay): (usize, GuardKind, Stay),
     ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
-        let unknown = || PeriodicError::Unfollowed {
-            what: "a stick that an event cuts short".to_owned(),
-        };
+        let unknown = || unfollowed("what an event cuts short");
         let mut steps = self.current_steps(at);
         let Passage::Leg(kind) = steps[index].passage else {
             return Err(unknown());
         };
-        let system = &self.workshop.system;
-        let (grip, sides, _) = system.origin_of(kind.mode).ok_or_else(unknown)?;
-        let mode = system.meet(grip, sides.with(surface, Side::Sliding));
+        let there = self.before_event(at, index)?;
+        let (mode, pieces) = self.other_side(at, (&steps[index], guard, stay), &there)?;
         let held = Step {
             passage: Passage::Leg(LegKind { mode, ..kind }),
+            pieces,
             duration: 0.0,
             ..steps[index].clone()
         };
         steps[index].passage = Passage::Leg(LegKind {
-            ends_at: Some(GuardKind::Switch(surface)),
+            ends_at: Some(guard),
             jump: Jump::None,
             ..kind
         });
         steps[index].told = Vec::new();
         steps.insert(index + 1, held);
         let (mut longer, mut guess) = self.like(steps, at)?;
+        if longer.cut_short(index + 1) != Some((guard, stay)) {
+            return Err(unknown());
+        }
         // It begins where the step before ends.
         let left = |left: Left| PeriodicError::NoConvergence {
             how: left.to_string(),
@@ -114,91 +125,74 @@ impl Shooting<f64> {
         let is_there = |room: &Result<f64, Left>| room.as_ref().is_ok_and(|room| *room >= 0.0);
         !rooms.is_empty() && rooms.iter().all(is_there)
     }
+
+    /// Whether the jump at the end of a step takes the state off the surface that the step before has crossed.
+    fn leaves_surface(&self, at: &[f64], (index, guard): (usize, GuardKind)) -> bool {
+        (guard.opposite()).is_some_and(|inside| self.jumps_off(at, (index, inside), false))
+    }
+
+    /// Whether a step that comes in after another one stays on the surface where it begins, or goes on beyond it.
+    fn stays(&self, at: &[f64], (index, guard, stay): (usize, GuardKind, Stay)) -> bool {
+        match (stay, guard, guard.opposite()) {
+            (Stay::On, GuardKind::Switch(surface), _) => self.stays_on(at, (index, surface)),
+            (Stay::Beyond, _, Some(inside)) => self.leads_away(at, (index, inside)),
+            _ => false,
+        }
+    }
 }
 
 impl Walker {
-    /// On from where a stick or slide that the event at its end cuts short takes no time any more.
+    /// On from where a stick, a slide or a way beyond a surface that the event at its end cuts short takes no time any more; none where that event and the
+    /// crossing change places.
     pub(super) fn hold_vanishes(
         &mut self,
-        (curve, reached): (&mut Curve, f64),
-        (station, index, surface): (&Station, usize, usize),
+        way: (&mut Curve, f64),
+        (station, index): (&Station, usize),
         here: &mut Point,
-    ) -> Stop {
-        let lost = |why: String| Stop::Broken(End::Lost(why), Box::new(station.clone()));
+    ) -> Option<Stop> {
         self.settle(station);
-        let forward = self.heading_known(station);
-        let there = Point::new(&mut self.shooting, station);
-        if let Some(end) = self.between(&curve.station, station, reached, (here, &there)) {
-            return Stop::End(end);
+        let (guard, stay) = self.shooting.cut_short(index)?;
+        let is_beyond = stay == Stay::Beyond;
+        let before = self.shooting.before(index);
+        if is_beyond && !self.shooting.leaves_surface(&station.at, (index, guard)) {
+            return None;
         }
-        self.settle(station);
-        let shorter = self.shooting.without_hold(&station.at, index);
-        let (mut shorter, guess, merged) = match shorter {
-            Ok(found) => found,
-            Err(error) => return lost(error.to_string()),
-        };
-        let corner = (merged, GuardKind::Switch(surface));
-        let next = shorter.at_corner(&guess, corner).and_then(|met| {
-            let next = shorter.inside_corner(met.at.clone(), corner, &met)?;
-            Ok((met, next))
-        });
-        match next {
-            Ok((met, next)) => {
-                self.shooting = shorter;
-                self.settle(&next);
-                let there = Point::new(&mut self.shooting, &next);
-                self.note_met(&there, &met);
-                self.goes_on(Ok(next), (curve, forward), here)
-            }
-            Err(why) => lost(why),
-        }
+        let is_told = !(is_beyond && self.shooting.is_smooth(before));
+        Some(
+            self.moment_vanishes(way, (station, is_told), here, |shooting, at| {
+                let (shooting, at, ends) = shooting.without_hold(at, index)?;
+                Ok((shooting, at, ((ends, false), guard)))
+            }),
+        )
     }
 
-    /// On from where, just at its end, a step comes to a surface that it slides along from there: a stick comes in that the event at its end cuts
-    /// short. None where it would go across that surface.
+    /// On from where a step comes to a surface, or the end of a piece, just at its end: a stick, or a way beyond, comes in that the event there cuts short.
     pub(super) fn hold_comes_in(
         &mut self,
-        (curve, reached): (&mut Curve, f64),
-        (station, index, surface): (&Station, usize, usize),
+        way: (&mut Curve, f64),
+        (station, index, guard): (&Station, usize, GuardKind),
         here: &mut Point,
     ) -> Option<Stop> {
         self.settle(station);
         let changes = self.shooting.latest.get(index)?.surface_acceleration;
-        let forward = self.heading_known(station);
-        let there = Point::new(&mut self.shooting, station);
-        let (mut longer, guess, held) =
-            (self.shooting.with_hold(&station.at, (index, surface))).ok()?;
-        if longer.cut_short(held) != Some(surface) {
-            return None;
-        }
-        let place = longer.duration_place(held)?;
-        let none = Condition::fixed(guess.len(), place, 0.0);
-        let found = newton(&mut longer, &guess, core::slice::from_ref(&none)).ok()?;
-        if moved(&found.at, &guess, longer.scales()) > THERE {
-            return None;
-        }
-        // On to where it takes time.
-        let along = tangent(&mut longer, &found.at, &none.row).ok()?;
-        let next = Station::beginning(found, along);
-        longer.evaluate(&next.at).ok()?;
+        let (stay, longer, held, next) = [Stay::On, Stay::Beyond].into_iter().find_map(|stay| {
+            let with = (index, guard, stay);
+            let (longer, guess, held) = self.shooting.with_hold(&station.at, with).ok()?;
+            let (longer, next) = longer.from_no_time(&guess, held)?;
+            let stays = longer.stays(&next.at, (held, guard, stay));
+            stays.then_some((stay, longer, held, next))
+        })?;
         // A stick does not come to a wall whose rate it holds at zero: that is a graze.
         let rate = longer.latest.get(held)?.surface_rate;
         if rate.abs() <= STANDS * (changes * longer.period()).abs() {
             return None;
         }
-        if !longer.stays_on(&next.at, (held, surface)) {
+        let is_beyond = stay == Stay::Beyond;
+        if is_beyond && !longer.leaves_surface(&next.at, (held, guard)) {
             return None;
         }
-        let met = (self.shooting).at_corner(&station.at, (index, GuardKind::Switch(surface)));
-        let met = met.ok()?;
-        if let Some(end) = self.between(&curve.station, station, reached, (here, &there)) {
-            return Some(Stop::End(end));
-        }
-        self.settle(station);
-        // Told by the equations without the stick.
-        self.note_met(&there, &met);
-        self.shooting = longer;
-        self.settle(&next);
-        Some(self.goes_on(Ok(next), (curve, forward), here))
+        let is_told = !(is_beyond && longer.is_smooth(index));
+        let watched = ((index, false), guard);
+        self.moment_comes_in(way, (station, watched, is_told), Ok((longer, next)), here)
     }
 }

@@ -29,7 +29,7 @@ const SOLVED: f64 = 1e-12;
 /// A part of a direction that is less than this is rounding.
 const FLAT: f64 = 1e-6;
 /// Where a new sequence begins its steps, against those before.
-const CAREFUL: f64 = 0.05;
+pub(super) const CAREFUL: f64 = 0.05;
 
 impl Walker {
     /// Whether a gap has its least value where its rate turns at the end of a step, with the surface that ends it.
@@ -83,15 +83,21 @@ impl Walker {
         {
             return Stop::End(end);
         }
-        if let Broken::Passed(index) = broken
-            && let Some(surface) = self.shooting.cut_short(index)
-        {
-            return self.hold_vanishes((curve, reached), (&station, index, surface), here);
-        }
-        if let Broken::Early(index, GuardKind::Switch(surface)) = broken
-            && let Some(stop) =
-                self.hold_comes_in((curve, reached), (&station, index, surface), here)
-        {
+        // One of two that share an instant, of which a jump makes the other unneeded, goes out or comes in.
+        let passes = match broken {
+            Broken::Passed(index) => {
+                (self.hold_vanishes((curve, reached), (&station, index), here))
+                    .or_else(|| self.crossing_vanishes((curve, reached), (&station, index), here))
+            }
+            Broken::Early(index, guard @ (GuardKind::Switch(_) | GuardKind::Piece(..)))
+            | Broken::Beyond(index, guard @ (GuardKind::Switch(_) | GuardKind::Piece(..))) => {
+                (self.hold_comes_in((curve, reached), (&station, index, guard), here)).or_else(
+                    || self.crossing_comes_in((curve, reached), (&station, index, guard), here),
+                )
+            }
+            _ => None,
+        };
+        if let Some(stop) = passes {
             return stop;
         }
         if self.shooting.flight_breaks(&station.at, &broken)

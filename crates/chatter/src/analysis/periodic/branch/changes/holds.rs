@@ -472,7 +472,9 @@ fn loses(shooting: &Shooting<f64>, one: &Broken, other: &Broken) -> bool {
     };
     let follows = match *other {
         Broken::Inner(_, GuardKind::Gap(_)) => true,
-        Broken::Beyond(step, GuardKind::Switch(_)) => step == shooting.after(impact),
+        Broken::Beyond(step, GuardKind::Switch(_)) | Broken::Passed(step) => {
+            step == shooting.after(impact)
+        }
         _ => false,
     };
     follows && shooting.steps[impact].impact().is_some()

@@ -14,8 +14,8 @@ use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::condition::Bordered;
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step, around};
 use crate::analysis::periodic::error::PeriodicError;
-use crate::analysis::periodic::shooting::{Exchanged, Shooting, mode_there};
-use crate::expressions::{Asked, Side};
+use crate::analysis::periodic::shooting::{Exchanged, Shooting};
+use crate::expressions::Side;
 use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, Least, LegKind};
 
@@ -372,48 +372,19 @@ impl Shooting<f64> {
         let Passage::Leg(kind) = steps[index].passage else {
             return Err(unfollowed("a touch that ends no leg"));
         };
-        let system = &self.workshop.system;
-        let (Some(guard), Some((grip, sides, _))) = (kind.ends_at, system.origin_of(kind.mode))
-        else {
-            return Err(unfollowed("a touch of nothing"));
-        };
+        let guard = (kind.ends_at).ok_or_else(|| unfollowed("a touch of nothing"))?;
         let next = self.after(index);
         let parameters = self.workshop.parameters(self.free(at));
         let model = &self.workshop.model;
         let touch = steps[next].start.clone();
-        let mut pieces = steps[index].pieces.clone();
-        let (mut mode, mut ends_at) = (kind.mode, guard.opposite());
-        match guard {
-            GuardKind::Switch(surface) => {
-                let side = sides.get(surface);
-                let other = match (side, stay) {
-                    (Side::Sliding, _) => {
-                        return Err(unfollowed("a touch of a surface slid along"));
-                    }
-                    (_, Stay::On) => Side::Sliding,
-                    (Side::Above, Stay::Beyond) => Side::Below,
-                    (Side::Below, Stay::Beyond) => Side::Above,
-                };
-                if stay == Stay::On {
-                    ends_at = Some(GuardKind::Leave(surface, side));
-                }
-                // A surface that only the other side asks for, as that of a choice within a choice, is met there for the first time.
-                let sides = sides.with(surface, other);
-                let asked = |mode: usize| {
-                    let origin = system.origin_of(mode);
-                    origin.map_or_else(Asked::default, |(.., on)| on.followed)
-                };
-                let known = (asked(kind.mode), (&*touch, &*parameters));
-                mode = mode_there(system, (grip, sides, &mut pieces), &asked, known);
-                if system.program(mode).is_none() {
-                    return Err(unfollowed("a stay on what is not slid along"));
-                }
+        let (mode, pieces) = self.other_side(at, (&steps[index], guard, stay), &touch)?;
+        let ends_at = match (stay, guard) {
+            (Stay::On, GuardKind::Switch(surface)) => {
+                let origin = self.workshop.system.origin_of(kind.mode);
+                origin.map(|(_, sides, _)| GuardKind::Leave(surface, sides.get(surface)))
             }
-            GuardKind::Piece(lookup, side) if stay == Stay::Beyond => {
-                pieces[lookup] += if side == Side::Above { 1 } else { -1 };
-            }
-            _ => return Err(unfollowed("a touch of what has no sides")),
-        }
+            _ => guard.opposite(),
+        };
         // A moment before, and after: the field is continuous.
         let moved = |by: f64| -> Vec<f64> {
             let rate = |state: &crate::model::State| {
