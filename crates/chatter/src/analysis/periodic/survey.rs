@@ -374,6 +374,13 @@ fn leave(
                 SpecialKind::BranchPoint if branch_points < beside.branch_points => {
                     (1.0, (doublings, branch_points + 1))
                 }
+                // Where several impacts lose their rates at once orbits with others of them leave.
+                kind if kind.is_graze()
+                    && !special.leaves.is_empty()
+                    && branch_points < beside.branch_points =>
+                {
+                    (1.0, (doublings, branch_points + 1))
+                }
                 _ => continue,
             };
             // Of what leaves at the mirror image of a point nothing is new but states.

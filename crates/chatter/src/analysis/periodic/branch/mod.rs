@@ -87,10 +87,17 @@ pub struct Branch {
 }
 
 impl Branch {
-    /// Whether it goes through one of these special points of other branches, but for those at which branches meet.
+    /// Whether it goes through one of these special points of other branches, but for those at which branches meet: where several impacts lose their rates at once
+    /// those of one lead through all, those of another through one of them.
     pub(super) fn shares_special(&self, others: &[Special], near: Near) -> bool {
         let mut own = self.special.iter().filter(|own| !own.kind.meets());
-        own.any(|own| others.iter().any(|other| own.is_that_of(other, near)))
+        own.any(|own| {
+            let mut all = others.iter();
+            all.any(|other| {
+                own.is_that_of(other, near)
+                    && own.events_among(&self.special) == other.events_among(others)
+            })
+        })
     }
 }
 

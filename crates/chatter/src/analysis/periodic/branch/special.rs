@@ -253,6 +253,15 @@ impl Special {
             && own.iter().zip(others).all(are_one)
     }
 
+    /// How many of a branch's special points are this one: those of impacts that lose their rates at once.
+    pub(super) fn events_among(&self, all: &[Self]) -> usize {
+        let value = |special: &Self| special.point.parameter().to_bits();
+        let is_this = |other: &&Self| {
+            other.kind == self.kind && other.place == self.place && value(other) == value(self)
+        };
+        all.iter().filter(is_this).count()
+    }
+
     /// Whether both are at one value of the parameter.
     fn is_at(&self, other: &Self, near: Near) -> bool {
         (self.point.parameter() - other.point.parameter()).abs() <= near.parameter

@@ -147,7 +147,10 @@ impl Walker {
                         at_graze = true;
                         continue;
                     }
-                    if let Some(index) = self.shooting.shortest_stay() {
+                    let over = self.shooting.shortest_stay();
+                    let over =
+                        over.or_else(|| self.shooting.stay_with_corner_over(&curve.station.at));
+                    if let Some(index) = over {
                         walked.grazes += 1;
                         if self.stay_ends(index, &mut curve, &mut here) {
                             at_graze = true;
@@ -595,6 +598,20 @@ impl Walker {
         let changes = |kind: SpecialKind| kind.is_graze() || kind == SpecialKind::Touch;
         let mut all = self.special.iter_mut().rev();
         all.find(|special| changes(special.kind))
+    }
+
+    /// Tells of the latest such point, and of those at one place with it, whether the branch goes on in the parameter.
+    pub(super) fn tell_persists(&mut self, persists: Option<bool>) {
+        let Some(latest) = self.latest_change() else {
+            return;
+        };
+        latest.persists = persists;
+        let (kind, value) = (latest.kind, latest.point.parameter());
+        let is_there = |special: &&mut Special| {
+            special.kind == kind && special.point.parameter().to_bits() == value.to_bits()
+        };
+        let together = self.special.iter_mut().rev().take_while(is_there);
+        together.for_each(|special| special.persists = persists);
     }
 
     /// Of the latest special point multipliers have a pole, or few digits.

@@ -183,6 +183,10 @@ impl<R: Real> Shooting<R> {
                     false => in_other_order(),
                 };
                 let between = between.filter(|_| in_pieces)?;
+                // What only a state on the other side asks for is not met from this one.
+                if !(self.meets(one.mode, other.ends_at) && self.meets(between, one.ends_at)) {
+                    return None;
+                }
                 let closed = self.closed_before(before);
                 let opens_first = first.closed != closed;
                 Some(Exchange {
@@ -207,6 +211,16 @@ impl<R: Real> Shooting<R> {
             }
             _ => None,
         }
+    }
+
+    /// Whether a mode has a guard to meet.
+    fn meets(&self, mode: usize, guard: Option<GuardKind>) -> bool {
+        let origin = self.workshop.system.origin_of(mode);
+        origin.is_some_and(|(.., on)| match guard {
+            Some(GuardKind::Switch(surface)) => on.followed.surfaces.contains(surface),
+            Some(GuardKind::Piece(lookup, _)) => on.followed.lookups.contains(lookup),
+            _ => true,
+        })
     }
 
     /// Whether of two events one is that a contact is released, and the other that its sliding turns: where its force vanishes, so does friction.

@@ -47,6 +47,38 @@ fn an_orbit_takes_surfaces_into_use() {
     assert!(found.is_stable());
 }
 
+/// A soft stop that does not pull lets go before the mass has left it: within the stay beyond its surface is a corner that nothing asks for elsewhere. It is touched
+/// where the amplitude without it is its place, whichever way, and from all starts.
+#[test]
+fn a_stay_with_a_corner_that_is_there_alone_comes_and_goes() {
+    let text = "[parameters]\nw = 1.8\n[flight]\nx = \"v\"\n\
+        v = \"0.5*cos(w*t) - 0.06*v - x - if(x > 0.2, max(15*(x - 0.2) + 2*v, 0), 0)\"\n[section.s]\nsurface = \"sin(w*t)\"\n\
+        direction = \"rising\"\n[initial]\nx = 0\nv = 0\n";
+    // (1 - w^2)^2 + (0.06 w)^2 is the square of 0.5/0.2.
+    let half = 0.5 * (2.0 - 0.06_f64.powi(2));
+    let exact = (half + (half * half - 1.0 + 6.25).sqrt()).sqrt();
+    for (start, step) in [
+        ("1.8", 0.1),
+        ("1.75", 0.03),
+        ("1.86", 0.013),
+        ("1.83", 0.3),
+        ("1.95", 0.1),
+    ] {
+        let found = over(&with(text, &[("w", start)]), "w", (1.7, 2.0), (4, step));
+        let branch = &found[0];
+        assert_eq!(branch.ends, [End::Range, End::Range], "{start} {step}");
+        let [touch] = &branch.special[..] else {
+            panic!("{start} {step} {:?}", branch.special);
+        };
+        assert_eq!(touch.kind, SpecialKind::Touch);
+        assert!(
+            (value(touch) - exact).abs() < 1e-14,
+            "{start} {step} {touch:?}"
+        );
+        assert_eq!(touch.point.multipliers.len(), 2, "{start} {step}");
+    }
+}
+
 /// The soft stop is touched from both sides: where all that happens is a crossing and the way back, too.
 #[test]
 fn the_only_crossing_may_come_and_go() {

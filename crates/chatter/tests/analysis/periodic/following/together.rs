@@ -1,7 +1,7 @@
 //! Impacts that lose their rates at once.
 
 use crate::periodic::{over, value, with};
-use chatter::analysis::periodic::{End, SpecialKind};
+use chatter::analysis::periodic::{Branch, End, Point, SpecialKind};
 use core::f64::consts::PI;
 
 /// Van der Pol's cycle between two walls touches both at once where they are as far apart as it is wide: beyond it goes on free. Its amplitude is
@@ -100,6 +100,71 @@ fn a_ball_that_comes_to_rest_between_two_walls_strikes_no_more() {
             let told: Vec<f64> = told.map(value).collect();
             assert_eq!(told.len(), 1, "{step} {kind:?}");
             assert!((told[0] - expected).abs() < 1e-13, "{step} {told:?}");
+        }
+    }
+}
+
+/// A driven mass between two stops touches both at once where its amplitude is the room that it has: there orbits without an impact, with one at either stop, and
+/// with one at each begin. The branch goes on as its mirror image does, from either side, at all steps; what strikes one stop alone leaves there, and turns
+/// back as its own image. Amplitudes are closed forms, and the doubling of what strikes one stop is by those of its flights in thirty digits.
+#[test]
+fn a_branch_goes_on_as_its_mirror_image_does_where_both_stops_are_touched_at_once() {
+    let text = "[parameters]\nF = 0.3\nw = 0.8\n[flight]\nx = \"v\"\nv = \"-x - 0.1*v + F*cos(w*t)\"\n[[contact]]\nname = \"right\"\n\
+        gap = \"1 - x\"\nimpulse = { v = -1 }\nrestitution = 0.8\n[[contact]]\nname = \"left\"\ngap = \"1 + x\"\n\
+        impulse = { v = 1 }\nrestitution = 0.8\n[section.strobe]\nsurface = \"sin(w*t)\"\ndirection = \"rising\"\n[initial]\n\
+        x = 0\nv = 0\n";
+    for (w, starts) in [("0.8", ["0.3", "0.65"]), ("1.2", ["0.3", "0.25"])] {
+        let frequency: f64 = w.parse().unwrap();
+        let exact = (1.0 - frequency.powi(2)).hypot(0.1 * frequency);
+        for (start, step) in starts.into_iter().zip([0.05, 0.2]) {
+            let model = with(text, &[("w", w), ("F", start)]);
+            let found = over(&model, "F", (0.2, 0.7), (8, step));
+            let symmetric =
+                |branch: &&Branch| branch.special.iter().filter(|s| s.kind.is_graze()).count() == 2;
+            let branch = found.iter().find(symmetric).unwrap();
+            let grazes: Vec<_> = branch
+                .special
+                .iter()
+                .filter(|s| s.kind.is_graze())
+                .collect();
+            assert!(
+                grazes.iter().all(|s| (value(s) - exact).abs() < 1e-14),
+                "{w} {start}"
+            );
+            assert_eq!(grazes[0].persists, grazes[1].persists);
+            let strikes = |point: &Point| point.impacts.unwrap();
+            assert!(
+                branch
+                    .points
+                    .iter()
+                    .all(|point| [0, 2].contains(&strikes(point)))
+            );
+            for strikes in [0, 2] {
+                assert!(
+                    branch
+                        .points
+                        .iter()
+                        .any(|point| point.impacts == Some(strikes))
+                );
+            }
+            // With one impact there are orbits at 0.8, and none at 1.2.
+            let others = found.iter().filter(|branch| !symmetric(branch));
+            let others: Vec<&Branch> = others.collect();
+            assert_eq!(others.len(), usize::from(w == "0.8"), "{w} {start}");
+            for branch in others {
+                let of = |kind: SpecialKind| {
+                    let all = branch.special.iter().filter(move |s| s.kind == kind);
+                    all.map(value).collect::<Vec<f64>>()
+                };
+                let [turn] = of(SpecialKind::ImpactGraze)[..] else {
+                    panic!("{start} {:?}", branch.special);
+                };
+                assert!((turn - exact).abs() < 1e-14, "{turn}");
+                let doublings = of(SpecialKind::PeriodDoubling);
+                assert_eq!(doublings.len(), 2, "{start}");
+                let expected = 0.518_209_866_597_872_6;
+                assert!(doublings.iter().all(|told| (told - expected).abs() < 1e-13));
+            }
         }
     }
 }

@@ -21,6 +21,7 @@ use crate::numerics::{Equations, Real, dot};
 const MOST_ASKEW: f64 = 0.1;
 
 /// Two turns at once.
+#[derive(Clone)]
 pub(in crate::analysis::periodic::branch) struct Together {
     /// With both turns.
     pub shooting: Shooting<f64>,

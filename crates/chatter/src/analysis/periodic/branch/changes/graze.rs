@@ -522,9 +522,8 @@ impl Walker {
                     false => Some(next.parameter_slope()),
                 };
                 let both = forward.zip(onward);
-                if let Some(special) = self.latest_change() {
-                    special.persists = both.map(|(forward, onward)| onward * forward > 0.0);
-                }
+                let persists = both.map(|(forward, onward)| onward * forward > 0.0);
+                self.tell_persists(persists);
                 self.settle(&next);
                 self.begins_anew((next, CAREFUL * curve.step), curve, here);
                 Stop::On
@@ -582,17 +581,19 @@ impl Walker {
             ));
         }
         let touched = touched?;
-        self.impact_comes_in(station, touched, there)
+        match self.gain_together(station, &touched, there) {
+            Some(next) => Ok(next),
+            None => self.impact_comes_in(station, touched, there),
+        }
     }
 
     /// On with an impact that comes in where it has no rate yet.
-    fn impact_comes_in(
+    pub(super) fn impact_comes_in(
         &mut self,
         station: &Station,
         touched: Touched,
         there: &Point,
     ) -> Result<Station, String> {
-        let told = |error: &dyn core::fmt::Display| error.to_string();
         let Touched {
             shooting: mut longer,
             at,
@@ -603,15 +604,7 @@ impl Walker {
             error,
             ..
         } = touched;
-        let direction = |shooting: &mut Shooting<f64>, at: &[f64]| {
-            let (_, gradient) = shooting.monitor(index, at).map_err(|left| told(&left))?;
-            let mut tangent = tangent(shooting, at, &gradient).map_err(|error| told(&error))?;
-            // The impact's rate is to grow: against the gap.
-            if crate::numerics::dot(&gradient, &tangent) > 0.0 {
-                tangent.iter_mut().for_each(|x| *x = -*x);
-            }
-            Ok::<Vec<f64>, String>(tangent)
-        };
+        let direction = |shooting: &mut Shooting<f64>, at: &[f64]| rate_grows(shooting, at, index);
         let mut along = direction(&mut longer, &at)?;
         self.settle(station);
         let has_pole = self.shooting.grazes();
@@ -654,7 +647,8 @@ impl Walker {
         there: &Point,
     ) -> Result<Station, String> {
         if self.shooting.steps[index].impact().is_some()
-            && let Some(next) = self.lose_together(station, there)
+            && let Some(next) = (self.lose_together(station, there))
+                .or_else(|| self.give_way(station, index, there))
         {
             return Ok(next);
         }
@@ -775,6 +769,23 @@ impl Walker {
         self.shooting = shorter;
         Ok(next)
     }
+}
+
+/// The direction of a curve in which the rate of the impact at the end of a step grows.
+pub(super) fn rate_grows(
+    shooting: &mut Shooting<f64>,
+    at: &[f64],
+    index: usize,
+) -> Result<Vec<f64>, String> {
+    let gradient = shooting.monitor(index, at);
+    let (_, gradient) = gradient.map_err(|left| left.to_string())?;
+    let tangent = tangent(shooting, at, &gradient);
+    let mut tangent = tangent.map_err(|error| error.to_string())?;
+    // Against the gap.
+    if crate::numerics::dot(&gradient, &tangent) > 0.0 {
+        tangent.iter_mut().for_each(|x| *x = -*x);
+    }
+    Ok(tangent)
 }
 
 /// So far on an impact that is one has a rate, of more than this part of others.

@@ -332,7 +332,7 @@ pub(crate) fn least_beside(
 }
 
 /// Whether a guard touches zero, to rounding.
-fn is_nothing(least: &Least) -> bool {
+pub(super) fn is_nothing(least: &Least) -> bool {
     least.value.abs() <= NOWHERE * least.size.abs()
 }
 

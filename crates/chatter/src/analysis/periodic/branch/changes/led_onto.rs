@@ -14,12 +14,21 @@ use crate::flow::leg::{Jump, LegKind};
 use crate::numerics::Real;
 
 impl<R: Real> Shooting<R> {
-    /// The guard that a step, which begins with a jump, ends at to go on beyond it.
+    /// The guard that a step, which begins with a jump onto its surface, ends at to go on beyond it: not with one that takes the state off it.
     pub(in crate::analysis::periodic) fn led_onto(&self, index: usize) -> Option<GuardKind> {
-        let before = self.steps[self.before(index)].passage;
-        let jumps = matches!(before, Passage::Leg(kind) if matches!(kind.jump, Jump::Impact(_) | Jump::Reset(_)));
-        self.crossed(index)
-            .filter(|_| jumps && self.steps.len() > 1)
+        let first = &self.steps[self.before(index)];
+        let jumps = match first.passage {
+            Passage::Leg(kind) => matches!(kind.jump, Jump::Impact(_) | Jump::Reset(_)),
+            _ => false,
+        };
+        let is_left = |guard: GuardKind| match guard {
+            GuardKind::Switch(surface) => self.slides_along(first, surface),
+            _ => false,
+        };
+        let crossed = self
+            .crossed(index)
+            .filter(|_| jumps && self.steps.len() > 1);
+        crossed.filter(|guard| !is_left(*guard))
     }
 }
 

@@ -1,27 +1,28 @@
 //! Impacts that lose their rates at once, as those at both walls of an orbit that is its own mirror image do. Where time is no matter a rate is a
 //! square root over the parameter, and with two of them equations are singular there: two curves cross, of rates of like signs and of unlike ones.
-//! With one of them alone they are not.
+//! With one of them alone they are not. With a clock rates are smooth, and orbits with each of the impacts, with both and with none begin there: the branch goes
+//! on as its mirror image does, with those impacts that it had not, and without those that it had.
 
-use super::graze::moved;
-use super::holds::touches_beside;
+use super::graze::{THERE, moved, rate_grows};
+use super::holds::{is_nothing, least_beside, sequence_holds, touches_beside};
 use super::touch::Touched;
 use crate::analysis::continuation::{Curve, Problem, Station};
+use crate::analysis::periodic::branch::special::Seed;
 use crate::analysis::periodic::branch::walker::{Stop, Walker};
 use crate::analysis::periodic::branch::{Point, SpecialKind};
 use crate::analysis::periodic::shooting::Shooting;
 use crate::flow::GuardKind;
+use crate::flow::leg::Least;
 
 /// Impacts that are about to lose their rates have this part of what accelerations make.
 const SLOW: f64 = 1e-2;
+/// A step of this length from where impacts come in tells whether the motion has them.
+const PROBE: f64 = 1e-4;
 
 impl Shooting<f64> {
     /// The graze of one of the impacts that are about to lose their rates, by equations without the others, which touch there as well, and how many
     /// those are. None where no others do.
     fn graze_together(&self, at: &[f64]) -> Option<(Touched, usize)> {
-        // With a clock rates are smooth.
-        if self.workshop.closure.time.is_some() || self.counts.iter().any(|&count| count != 0) {
-            return None;
-        }
         let slow = self.slower_than(SLOW);
         let others = slow.len().checked_sub(1).filter(|&others| others > 0)?;
         // Several at one contact are chatter.
@@ -57,12 +58,53 @@ impl Shooting<f64> {
     }
 }
 
+impl Shooting<f64> {
+    /// Whether a clock says when what happens: rates of impacts are smooth over the parameter.
+    fn has_clock(&self) -> bool {
+        self.workshop.closure.time.is_some() || self.counts.iter().any(|&count| count != 0)
+    }
+
+    /// A graze with an impact wherever other contacts touch as well, and without its own if that goes out. None where no others touch.
+    fn with_others_that_touch(&self, touched: &Touched, goes_out: bool) -> Option<Touched> {
+        let (mut longer, mut at, mut own) =
+            (touched.shooting.clone(), touched.at.clone(), touched.index);
+        longer.evaluate(&at).ok()?;
+        let others = touches_beside(&mut longer, &at, own).ok()?;
+        let gaps = |guard: &GuardKind| matches!(guard, GuardKind::Gap(_));
+        let others: Vec<GuardKind> = others.into_iter().filter(gaps).collect();
+        if others.is_empty() {
+            return None;
+        }
+        for other in others {
+            longer.evaluate(&at).ok()?;
+            let least = least_beside(&mut longer, &at, Some(own)).ok()?;
+            let touches =
+                |least: &Least| least.guard == other && !least.at_end && is_nothing(least);
+            let mut place = least.into_iter().enumerate();
+            let place = place.find_map(|(k, all)| Some((k, all.into_iter().find(touches)?)));
+            let (k, least) = place?;
+            let (with, guess, new) = longer.with_event(&at, k, &least).ok()?;
+            own += usize::from(new <= own);
+            (longer, at) = (with, guess);
+        }
+        if goes_out {
+            longer.evaluate(&at).ok()?;
+            (longer, at, _) = longer.without_event(&at, own).ok()?;
+        }
+        longer.evaluate(&at).ok()?;
+        let first = longer.without_rate()?;
+        let scales = longer.scales().to_vec();
+        let found = Touched::solve((longer, at.clone(), first)).ok()?;
+        (moved(&found.at, &at, &scales) <= THERE).then_some(found)
+    }
+}
+
 impl Walker {
     /// On without impacts that lose their rates at once. None where there are no such.
     pub(super) fn lose_together(&mut self, station: &Station, there: &Point) -> Option<Station> {
         let (touched, others) = self.shooting.graze_together(&station.at)?;
         let told = self.special.len();
-        let (at, index) = (touched.at.clone(), touched.index);
+        let (at, index, alone) = (touched.at.clone(), touched.index, touched.clone());
         let before = core::mem::replace(&mut self.shooting, touched.shooting);
         // Each is told, with as many impacts as are left.
         for left in 1..=others as u64 {
@@ -92,7 +134,107 @@ impl Walker {
             let left = |all: u64| all.saturating_sub(others as u64 + 1);
             last.point.impacts = there.impacts.map(left);
         }
+        if self.shooting.has_clock() {
+            self.leaves_by(told, &alone);
+        }
         Some(next)
+    }
+
+    /// On from a graze with impacts at all contacts that touch at once, where a clock says when. None where no others do.
+    pub(super) fn gain_together(
+        &mut self,
+        station: &Station,
+        touched: &Touched,
+        there: &Point,
+    ) -> Option<Station> {
+        if !self.shooting.has_clock() {
+            return None;
+        }
+        let all = self.shooting.with_others_that_touch(touched, false)?;
+        let count = all.shooting.slower_than(SLOW).len() as u64;
+        let told = self.special.len();
+        let next = self.comes_in_together(station, all, there)?;
+        self.leaves_by(told, touched);
+        // Each is told, with as many impacts as have come in before it.
+        let known = self.special.get(told).cloned()?;
+        for more in 1..count {
+            let mut special = known.clone();
+            special.point.impacts = special.point.impacts.map(|impacts| impacts + more);
+            self.special.push(special);
+        }
+        Some(next)
+    }
+
+    /// On from where an impact loses its rate with impacts at all others that touch there, where a clock says when: those of the mirror image. None where no
+    /// others do.
+    pub(super) fn give_way(
+        &mut self,
+        station: &Station,
+        index: usize,
+        there: &Point,
+    ) -> Option<Station> {
+        if !self.shooting.has_clock() {
+            return None;
+        }
+        let scales = self.shooting.scales().to_vec();
+        let own = Touched::solve((self.shooting.clone(), station.at.clone(), index)).ok()?;
+        if moved(&own.at, &station.at, &scales) > THERE {
+            return None;
+        }
+        let others = self.shooting.with_others_that_touch(&own, true)?;
+        let all = self.shooting.with_others_that_touch(&own, false)?;
+        let told = self.special.len();
+        let next = self.comes_in_together(station, others, there)?;
+        self.leaves_by(told, &all);
+        if let Some(special) = self.special.get_mut(told) {
+            special.point.impacts = there.impacts.map(|impacts| impacts.saturating_sub(1));
+        }
+        Some(next)
+    }
+
+    /// Tells of a special point which equations those orbits have that leave the branch there, and in which direction: with other ones of the impacts. Of none if
+    /// the motion has no such.
+    fn leaves_by(&mut self, place: usize, with: &Touched) {
+        let mut shooting = with.shooting.clone();
+        let Ok(along) = rate_grows(&mut shooting, &with.at, with.index) else {
+            return;
+        };
+        let next = Station {
+            at: with.at.clone(),
+            tangent: along,
+            residual: with.residual,
+            correction: with.correction,
+            orientation: 0.0,
+        };
+        if let Some(special) = self
+            .special
+            .get_mut(place)
+            .filter(|_| begins(&shooting, &next))
+        {
+            special.leaves = next.tangent;
+            special.seed = Some(Seed {
+                shooting,
+                at: next.at,
+            });
+        }
+    }
+
+    /// On with impacts that come in with no rate yet, as far as the motion has them.
+    fn comes_in_together(
+        &mut self,
+        station: &Station,
+        touched: Touched,
+        there: &Point,
+    ) -> Option<Station> {
+        let (told, before) = (self.special.len(), self.shooting.clone());
+        let next = self.impact_comes_in(station, touched, there).ok();
+        let holds = next.filter(|next| begins(&self.shooting, next));
+        if holds.is_none() {
+            self.special.truncate(told);
+            self.shooting = before;
+            self.settle(station);
+        }
+        holds
     }
 
     /// The same where steps towards that place come to nothing. Whether that is so.
@@ -113,4 +255,11 @@ impl Walker {
         }
         ends
     }
+}
+
+/// Whether a curve leads from a station to orbits that the motion has.
+fn begins(shooting: &Shooting<f64>, station: &Station) -> bool {
+    let mut reader = shooting.clone();
+    let ahead = station.ahead(&mut reader, PROBE);
+    ahead.is_ok_and(|(ahead, _)| sequence_holds(&mut reader, &ahead.at))
 }

@@ -88,6 +88,17 @@ impl Shooting<f64> {
         all.min_by(|&a, &b| stay(a).total_cmp(&stay(b)))
     }
 
+    /// The crossing before the shortest stay with a corner within it, which is over but for that.
+    pub(in crate::analysis::periodic) fn stay_with_corner_over(&self, at: &[f64]) -> Option<usize> {
+        let lasts = |&index: &usize| {
+            let corner = self.after(index);
+            self.latest[corner].duration + self.latest[self.after(corner)].duration
+        };
+        let is_over = |&index: &usize| self.with_corner_after_stay(at, index).is_some();
+        let all = (0..self.steps.len()).filter(is_over);
+        all.min_by(|a, b| lasts(a).total_cmp(&lasts(b)))
+    }
+
     /// Of that the crossing, and where the duration of the stay stands among the unknowns, if it takes no more than this part of the period.
     pub(in crate::analysis::periodic) fn stay_within(
         &self,
@@ -172,21 +183,43 @@ impl Shooting<f64> {
             let apart = [corner, back].map(|k| self.latest.get(k).map(|l| l.duration));
             let [before, after] = apart;
             let is_over = before? + after? < NO_TIME * self.period();
-            if count < 4
+            if count < 3
                 || !is_over
                 || !self.ends_stay(&self.steps[first], self.steps[back].ends_at())
             {
                 return None;
             }
-            let Exchanged {
-                shooting,
-                guess,
-                numbers,
-                ..
-            } = self.exchanged(at, back).ok()?;
-            let first = *numbers.get(first)?;
-            (shooting.comes_back(first)).then_some((shooting, guess, first))
+            let after_way_back = || {
+                if count < 4 {
+                    return None;
+                }
+                let Exchanged {
+                    shooting,
+                    guess,
+                    numbers,
+                    ..
+                } = self.exchanged(at, back).ok()?;
+                let first = *numbers.get(first)?;
+                (shooting.comes_back(first)).then_some((shooting, guess, first))
+            };
+            // What only a state on that side asks for is not met after it.
+            let without = || self.stay_without_corner(at, first);
+            after_way_back().or_else(without)
         })
+    }
+
+    /// The same orbit without a corner within the stay after a crossing: of no time, with which it is nothing.
+    fn stay_without_corner(&self, at: &[f64], first: usize) -> Option<(Self, Vec<f64>, usize)> {
+        let mut steps = self.current_steps(at);
+        let (corner, first) = self.take_out_after(at, &mut steps, first).ok()?;
+        let stay = around(first, 1, steps.len());
+        steps[stay].duration = steps[stay].duration.abs() + corner.duration.abs();
+        steps[stay].start = corner.start;
+        let (mut shooting, guess) = self.like(steps, at).ok()?;
+        shooting.evaluate(&guess).ok()?;
+        shooting
+            .comes_back(first)
+            .then_some((shooting, guess, first))
     }
 
     /// The same orbit that only touches where it crosses at the end of a step and comes back, and the step that ends there.
@@ -474,6 +507,7 @@ impl Shooting<f64> {
 }
 
 /// Where a guard has a least value of zero: the equations with that for an event, and their solution.
+#[derive(Clone)]
 pub(in crate::analysis::periodic::branch) struct Touched {
     pub shooting: Shooting<f64>,
     pub at: Vec<f64>,
