@@ -51,7 +51,7 @@ pub struct Distinct {
     sizes: Vec<f64>,
     /// Orbits at the value.
     orbits: Vec<Nodes>,
-    special: Vec<Special>,
+    special: Vec<Vec<Special>>,
 }
 
 impl Distinct {
@@ -117,7 +117,10 @@ impl Distinct {
             let is_known = match (index, marks.first()) {
                 (0, _) => false,
                 (_, Some(orbit)) => self.has(orbit)?,
-                (_, None) => branch.shares_special(&self.special, self.near),
+                (_, None) => {
+                    let mut all = self.special.iter();
+                    all.any(|known| branch.shares_special(known, self.near))
+                }
             };
             if is_known {
                 continue;
@@ -126,7 +129,7 @@ impl Distinct {
             branch.special.retain(|special| !is_mark(special));
             let told = branch.special.iter();
             let alone = told.filter(|special| !special.kind.meets());
-            self.special.extend(alone.cloned());
+            self.special.push(alone.cloned().collect());
             let points = branch.points.iter_mut();
             let special = branch.special.iter_mut();
             for point in points.chain(special.map(|special| &mut special.point)) {

@@ -276,7 +276,13 @@ fn without_passed(shooting: &Shooting<f64>, mut found: Vec<Broken>) -> Vec<Broke
     for index in passed {
         let before = shooting.before(index);
         let beside = [before, index, shooting.after(index)];
-        let guards = [steps[before].ends_at(), steps[index].ends_at()];
+        let own = [steps[before].ends_at(), steps[index].ends_at()];
+        // What has been released is closed before that.
+        let closed = own.map(|guard| match guard {
+            Some(GuardKind::Reaction(contact)) => Some(GuardKind::Gap(contact)),
+            _ => None,
+        });
+        let guards = [own, closed].concat();
         found.retain(|broken| match broken {
             Broken::Inner(step, guard)
             | Broken::Early(step, guard)
