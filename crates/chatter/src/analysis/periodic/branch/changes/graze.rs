@@ -224,6 +224,13 @@ impl Walker {
             {
                 self.lose(&station, index, &there)
             }
+            // What is crossed instead, where a stay beyond another surface is over.
+            Broken::Early(index, GuardKind::Switch(_))
+                if let Some((first, _)) = self.shooting.stay_that_vanishes(&station.at)
+                    && first == index =>
+            {
+                self.lose(&station, index, &there)
+            }
             // Friction that is too weak to stop what slides slows it as much.
             Broken::Early(index, GuardKind::Leave(..)) if self.shooting.stops(index) => {
                 Err(broken.told(&self.shooting))

@@ -75,9 +75,18 @@ impl Shooting<f64> {
         let all = count > 1 && is_leg(step) && is_leg(next);
         let stay = self.latest.get(after);
         all && self.ends_stay(step, next.ends_at())
-            && last.mode() == step.mode()
+            && (last.mode() == step.mode() || self.turns_beyond(index))
             && last.pieces == step.pieces
             && stay.is_some_and(|stay| stay.duration < NO_TIME * self.period())
+    }
+
+    /// Whether on the way back from beyond a surface the state comes to the other side of one more, as of drag that is there alone: without the stay it crosses that
+    /// instead.
+    fn turns_beyond(&self, index: usize) -> bool {
+        let stay = self.after(index);
+        let [step, last] = [index, self.after(stay)].map(|k| &self.steps[k]);
+        let turned = self.surface_at_impact(step.mode(), last.mode());
+        turned.is_some_and(|surface| step.ends_at() != Some(GuardKind::Switch(surface)))
     }
 
     /// The crossing whose way back follows soonest, with no time left.
