@@ -198,6 +198,11 @@ impl<R: Real> Station<R> {
         Ok((station, found.steps))
     }
 
+    /// The condition of lying on the plane across the curve here.
+    pub fn across(&self, scales: &[f64]) -> Condition<R> {
+        ahead(self, 0.0, scales)
+    }
+
     /// How far ahead a point is, along the tangent.
     pub fn reach(&self, to: &[R], scales: &[f64]) -> R {
         let parts = (to.iter().zip(&self.at)).zip(self.tangent.iter().zip(scales));

@@ -2,8 +2,8 @@
 
 use super::condition::Bordered;
 use super::shooting::Shooting;
-use crate::analysis::continuation::{Corrected, NewtonError, Problem, Singular, newton};
-use crate::numerics::{DoubleDouble, Real};
+use crate::analysis::continuation::{Corrected, NewtonError, Problem, Singular, Station, newton};
+use crate::numerics::{Complex, DoubleDouble, Real, dot};
 
 /// The last correction of Newton's method is a sample of what rounding does; errors are so many of it.
 pub(super) const NOISE: f64 = 16.0;
@@ -30,6 +30,33 @@ pub(crate) struct Solved {
 }
 
 impl Shooting<f64> {
+    /// Multipliers where the curve passes a station, as longer numbers tell them, and what their moduli may be off by.
+    pub(crate) fn multipliers_beside(&self, station: &Station) -> Option<(Vec<Complex>, f64)> {
+        if station.tangent.len() != self.scales().len() {
+            return None;
+        }
+        let across = station.across(self.scales());
+        let row = longer(&across.row);
+        let value = DoubleDouble::from(across.value);
+        let mut own = self.clone();
+        let found = newton(&mut own, &station.at, &[across]).ok()?;
+        let start = found.at.clone();
+        let mut told = None;
+        own.refined_by(found, &start, |fine, at| {
+            let here = fine.evaluate(at).ok()?;
+            told = Some(fine.multipliers_known());
+            let off = dot(&row, at) - value;
+            Some(
+                here.residual
+                    .iter()
+                    .chain([&off])
+                    .map(|x| x.to_f64())
+                    .collect(),
+            )
+        });
+        told
+    }
+
     /// The solution of the equations and a condition near a point.
     ///
     /// # Errors

@@ -3,8 +3,8 @@
 
 use super::aside::Aside;
 use super::branch::{
-    Branch, End, Limits, Near, Point, Seed, Special, SpecialKind, Wanted, beside, follow,
-    sequence_holds,
+    ACCUMULATES, Branch, End, Limits, Near, Point, Seed, Special, SpecialKind, Wanted, beside,
+    follow, sequence_holds,
 };
 use super::cycle::itinerary::Step;
 use super::cycle::settle::Patience;
@@ -45,9 +45,6 @@ const MOST_HOPS: usize = 8;
 const MOST_AROUND: f64 = 4.0;
 /// So many branches are followed to see whether they come to a border.
 const MOST_TRIED: usize = 6;
-/// Where fewer impacts than these come to nothing they do not accumulate at a border, beyond which chatter is complete: a lone one may
-/// be that of a part left to itself.
-const ACCUMULATES: u64 = 4;
 /// The first displacements along a branch that leaves another, against the size of the orbit: the farthest at which the solution is a motion.
 const ASIDE: [f64; 4] = [2e-3, 4e-4, 8e-5, 1.6e-5];
 

@@ -245,7 +245,8 @@ impl Walker {
         for _ in 0..LOOKS {
             let (station, _) = from.ahead(&mut self.shooting, part * step).ok()?;
             self.settle(&station);
-            let value = off_together(&self.shooting.multipliers(), at) * before.signum();
+            let value =
+                off_together(&self.shooting.multipliers_at(&station).0, at) * before.signum();
             if value < -rounding {
                 let is_on_it = at < 0.0 || !self.is_beside_meeting(from, part * step, &station);
                 return is_on_it.then_some(part);
@@ -479,14 +480,18 @@ impl Walker {
             };
         match passed {
             Passed::Fold(ends) => of(ends, &|_, station| station.tangent.last().copied()),
-            Passed::Doubling(ends) => of(ends, &|reader, _| doubling(&reader.multipliers())),
-            Passed::DoublingOf(place, ends) => of(ends, &|reader, _| {
-                passes_at_place(&reader.multipliers(), -1.0, place)
+            Passed::Doubling(ends) => of(ends, &|reader, station| {
+                doubling(&reader.multipliers_at(station).0)
             }),
-            Passed::MeetingOf(place, ends) => of(ends, &|reader, _| {
-                passes_at_place(&reader.multipliers(), 1.0, place)
+            Passed::DoublingOf(place, ends) => of(ends, &|reader, station| {
+                passes_at_place(&reader.multipliers_at(station).0, -1.0, place)
             }),
-            Passed::Torus(ends, _) => of(ends, &|reader, _| passes_together(&reader.multipliers())),
+            Passed::MeetingOf(place, ends) => of(ends, &|reader, station| {
+                passes_at_place(&reader.multipliers_at(station).0, 1.0, place)
+            }),
+            Passed::Torus(ends, _) => of(ends, &|reader, station| {
+                passes_together(&reader.multipliers_at(station).0)
+            }),
             Passed::Monitor(index, ends) => of(ends, &|reader, station| {
                 reader.monitored(&station.at).get(index).copied()
             }),

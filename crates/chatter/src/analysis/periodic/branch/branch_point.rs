@@ -113,7 +113,7 @@ impl Walker {
                 return station.tangent.last().copied();
             }
             reader.evaluate(&station.at).ok()?;
-            let found = reader.multipliers();
+            let (found, _) = reader.multipliers_at(station);
             (found.iter().filter(|m| m.im == 0.0))
                 .map(|m| m.re - 1.0)
                 .min_by(|a, b| a.abs().total_cmp(&b.abs()))

@@ -7,7 +7,7 @@
 //! ```text
 //! walker       one side of a branch, station by station
 //! between      special points between two stations
-//! rounding     whether what multipliers do there is more than rounding
+//! rounding     multipliers next to rounding, and whether what they do there is more than that
 //! at_events    stations that are the point of an event
 //! branch_point those where branches meet
 //! changes/     from one sequence of events to the next
@@ -22,6 +22,7 @@
 //!   root         where slopes of an event have no bound
 //! onward       past what equations can say, and where they may not go on
 //! ends/        where a branch is over
+//!   accumulation grazes that rounding does not tell apart
 //!   border       how far a chatter border is
 //!   returns      it has come back to where it began
 //!   equilibrium  equilibria of the flight that a step is
@@ -62,6 +63,7 @@ pub(crate) use changes::holds::{
     Broken, broken, broken_beside, first_break, is_broken, least_beside, sequence_holds, smallest,
 };
 pub(super) use changes::touch::{STAYS, Stay, VANISHED};
+pub(super) use ends::accumulation::ACCUMULATES;
 pub(super) use ends::returns::{Began, passages, returned};
 pub(super) use kept::{Along, Kept, Ledger, Of, Stand, Standing, Then, damaged};
 pub(crate) use limits::station_at;

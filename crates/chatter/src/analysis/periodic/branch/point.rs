@@ -51,7 +51,7 @@ impl Point {
             let _ = shooting.evaluate(&station.at);
         }
         let state = shooting.told_state(&station.at);
-        let (multipliers, modulus_error) = shooting.multipliers_known();
+        let (multipliers, modulus_error) = shooting.multipliers_at(station);
         Self {
             parameters: shooting.free(&station.at).to_vec(),
             period: shooting.period(),

@@ -1,9 +1,15 @@
-//! Whether what multipliers do along a way is more than rounding.
+//! Multipliers next to rounding: where longer numbers tell them, and whether what they do along a way is more than that.
 
 use super::Point;
+use super::changes::graze::{SMALL_HEIGHT, is_told};
 use super::walker::Walker;
 use crate::analysis::continuation::Station;
 use crate::analysis::periodic::multipliers::farthest;
+use crate::analysis::periodic::shooting::Shooting;
+use crate::numerics::Complex;
+
+/// Flights that are hardly higher than rounding of the gap are shorter than this part of the period.
+const SHORT: f64 = 1e-2;
 
 /// Right beside a station is this part of the way to the next, or what rounding leaves of a way; so many stations there are asked, and where multipliers
 /// change to one of them by this part of what they do on all of the way rounding does it.
@@ -11,6 +17,33 @@ const RIGHT_BESIDE: f64 = 1e-4;
 const ROUNDED_STEP: f64 = 1e-12;
 const SAMPLES: u32 = 3;
 const CHANGES: f64 = 0.1;
+
+impl Shooting<f64> {
+    /// Multipliers at a station that was evaluated, and what their moduli may be off by. Impacts are told from each other by what gaps are between
+    /// them: where that is hardly more than rounding of the nodes, multipliers are those of the solution in longer numbers.
+    pub(in crate::analysis::periodic) fn multipliers_at(
+        &self,
+        station: &Station,
+    ) -> (Vec<Complex>, f64) {
+        let longer = (self.has_low_flight(&station.at)).then(|| self.multipliers_beside(station));
+        (longer.flatten()).unwrap_or_else(|| self.multipliers_known())
+    }
+
+    /// Whether a flight from one impact of a contact to the next is hardly higher than rounding of the gap.
+    fn has_low_flight(&self, at: &[f64]) -> bool {
+        let short = SHORT * self.period();
+        (self.steps.iter().zip(&self.latest).enumerate()).any(|(index, (step, landing))| {
+            let before = self.steps[self.before(index)].impact();
+            let Some(contact) = step.impact().filter(|_| landing.duration < short) else {
+                return false;
+            };
+            let height = landing.surface_acceleration.abs() * landing.duration.powi(2) / 8.0;
+            before == Some(contact)
+                && step.has_own_time()
+                && !is_told(height, self.gap_rate(at, (index, contact)).1, SMALL_HEIGHT)
+        })
+    }
+}
 
 impl Walker {
     /// Whether multipliers change on the way from one station to another, with an orbit in between, by no more than rounding makes of them, as where flights
@@ -22,6 +55,9 @@ impl Walker {
         step: f64,
         [here, halfway, there]: [&Point; 3],
     ) -> bool {
+        if self.shooting.has_low_flight(&from.at) {
+            return false;
+        }
         let halves = [here, there].map(|end| farthest(&end.multipliers, &halfway.multipliers));
         let change = halves[0].max(halves[1]);
         let beside = (RIGHT_BESIDE * step).max(ROUNDED_STEP);
@@ -30,7 +66,7 @@ impl Walker {
                 return false;
             };
             walker.settle(&next);
-            let multipliers = walker.shooting.multipliers();
+            let (multipliers, _) = walker.shooting.multipliers_at(&next);
             farthest(&point.multipliers, &multipliers) > CHANGES * change
         };
         let mut ends = [(from, here, beside), (to, there, -beside)].into_iter();

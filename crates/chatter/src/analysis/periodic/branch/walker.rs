@@ -3,6 +3,7 @@
 use super::between::STANDS;
 use super::changes::holds::broken;
 use super::changes::touch::STAYS;
+use super::ends::accumulation::accumulates;
 use super::ends::growth::growth;
 use super::ends::returns::passages;
 use super::ends::unbounded::{Law, unbounded};
@@ -390,7 +391,10 @@ impl Walker {
         // Whatever else is said where nothing is left of the orbit.
         let end = match end {
             End::Lost(_) if self.has_shrunk(&curve.station) => self.shrunk(&curve.station),
-            End::Lost(_) => (self.shrinks_to(&curve.station)).map_or(end, End::Shrunk),
+            End::Lost(_) => (self.shrinks_to(&curve.station))
+                .map(End::Shrunk)
+                .or_else(|| accumulates(&self.special).map(End::Rounding))
+                .unwrap_or(end),
             end => end,
         };
         let end = ledger.close((&self.points, &self.special), end, diary);

@@ -1,6 +1,7 @@
 //! Branches are the same wherever they begin, whatever the steps, and however often they are broken off.
 
 mod any_start;
+mod beside_borders;
 mod beside_folds;
 mod cut_short;
 mod doubled;

@@ -20,8 +20,8 @@ const NOT_QUITE: f64 = 1e-5;
 const BESIDE: f64 = 1e-2;
 /// Flights are told from rounding of the gap if they are so many times as high.
 pub(super) const LEAST_HEIGHT: f64 = 1e4;
-/// Where they are no more than so many times as high, that is why no solution is found.
-const SMALL_HEIGHT: f64 = 1e6;
+/// Where they are no more than so many times as high, that is why no solution is found, and multipliers have few digits.
+pub(in crate::analysis::periodic::branch) const SMALL_HEIGHT: f64 = 1e6;
 /// A graze that Newton's method finds farther from where it is looked for, against the size of the orbit, is another one.
 pub(in crate::analysis::periodic::branch) const THERE: f64 = 1e-3;
 /// Orbits of a branch are solved to so small a part of their size, and so are places that are told from their guards.
@@ -820,7 +820,11 @@ fn gone((from, to): (&Station, &Station)) -> Option<f64> {
 }
 
 /// Whether the height of a flight is more than so many roundoffs of the terms that the gap is the sum of.
-pub(super) fn is_told(height: f64, terms: f64, roundoffs: f64) -> bool {
+pub(in crate::analysis::periodic::branch) fn is_told(
+    height: f64,
+    terms: f64,
+    roundoffs: f64,
+) -> bool {
     height.is_nan() || height > roundoffs * f64::EPSILON * terms
 }
 

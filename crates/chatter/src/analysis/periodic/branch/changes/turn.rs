@@ -181,7 +181,11 @@ impl Shooting<f64> {
     }
 
     /// The rate of a gap where a step begins, and the size of what the gap is the sum of there.
-    pub(super) fn gap_rate(&self, at: &[f64], (index, contact): (usize, usize)) -> (f64, f64) {
+    pub(in crate::analysis::periodic::branch) fn gap_rate(
+        &self,
+        at: &[f64],
+        (index, contact): (usize, usize),
+    ) -> (f64, f64) {
         let model = &self.workshop.model;
         let parameters = self.workshop.parameters(self.free(at));
         let start = self.node(at, index);

@@ -1,5 +1,6 @@
 //! Where a branch is over: back where it began, at a chatter border, at an equilibrium, or with a period or a state that grows without bound.
 
+pub(super) mod accumulation;
 pub(super) mod border;
 pub(super) mod equilibrium;
 mod forced_rest;
