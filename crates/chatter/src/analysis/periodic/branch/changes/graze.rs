@@ -95,6 +95,7 @@ impl Walker {
                     || self.crossing_comes_in((curve, reached), (&station, index, guard), here),
                 )
             }
+            Broken::Event(index) => self.dip_ends((curve, reached), (&station, index), here),
             _ => None,
         };
         if let Some(stop) = passes {

@@ -2,8 +2,9 @@
 //! the jump, and it leads across itself, without that crossing; a bit less, and the crossing comes a moment later.
 
 use super::events::unfollowed;
-use super::touch::Stay;
-use crate::analysis::continuation::{Curve, Station};
+use super::graze::{CAREFUL, THERE, moved};
+use super::touch::{NO_TIME, Stay};
+use crate::analysis::continuation::{Curve, Problem, Station};
 use crate::analysis::periodic::branch::Point;
 use crate::analysis::periodic::branch::walker::{Stop, Walker};
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
@@ -78,7 +79,58 @@ impl Shooting<f64> {
     }
 }
 
+impl Shooting<f64> {
+    /// Whether a step leads off the surface that friction at the impact before it has brought the state to, and back to cross it, where the field goes on as
+    /// it is.
+    fn dips(&self, at: &[f64], index: usize) -> bool {
+        let stopped = match self.steps[self.before(index)].passage {
+            Passage::Leg(kind) => kind.jump,
+            _ => Jump::None,
+        };
+        let (Jump::Stop(contact), Some(guard)) = (stopped, self.crossed(index)) else {
+            return false;
+        };
+        let lasts = self.duration_place(index).map(|place| at[place]);
+        self.is_turn(contact, guard)
+            && self.is_smooth(index)
+            && self.steps.len() > 1
+            && lasts.is_some_and(|lasts| lasts < NO_TIME * self.period())
+    }
+}
+
 impl Walker {
+    /// On from where such a step takes no time any more, without it: nothing happens to the orbit. With it the equations have a second solution there, in which it
+    /// never takes any.
+    pub(super) fn dip_ends(
+        &mut self,
+        (curve, reached): (&mut Curve, f64),
+        (station, index): (&Station, usize),
+        here: &mut Point,
+    ) -> Option<Stop> {
+        self.settle(station);
+        if !self.shooting.dips(&station.at, index) {
+            return None;
+        }
+        let forward = self.heading_known(station)?;
+        let (mut shorter, guess, _) = self.shooting.without_crossing(&station.at, index).ok()?;
+        let next = Station::beside(&mut shorter, &guess).ok()?;
+        if moved(&next.at, &guess, shorter.scales()) > THERE {
+            return None;
+        }
+        let there = Point::new(&mut self.shooting, station);
+        if let Some(end) = self.between(&curve.station, station, reached, (here, &there)) {
+            return Some(Stop::End(end));
+        }
+        let next = match next.parameter_slope() * forward < 0.0 {
+            true => next.reversed(),
+            false => next,
+        };
+        self.shooting = shorter;
+        self.settle(&next);
+        self.begins_anew((next, CAREFUL * curve.step), curve, here);
+        Some(Stop::On)
+    }
+
     /// On from where a crossing after a jump takes no time any more; none where that is an exchange of both.
     pub(super) fn crossing_vanishes(
         &mut self,
