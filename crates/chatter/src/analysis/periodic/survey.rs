@@ -399,7 +399,9 @@ fn leave(
                 continue;
             };
             if let Ok(branch) = follow(&shooting, &at, limits, diary) {
-                if !add(branches, branch, limits) {
+                let is_over = |end: &End| matches!(end, End::Impacts(_));
+                let is_nothing = branch.points.len() == 1 && branch.ends.iter().all(is_over);
+                if is_nothing || !add(branches, branch, limits) {
                     continue;
                 }
                 open.push((branches.len() - 1, deeper.0, deeper.1));

@@ -256,6 +256,13 @@ impl Walker {
             let broken = broken(&self.shooting, &least);
             if !broken.is_empty() {
                 walked.grazes += 1;
+                let ends = (&curve.station, &next);
+                if made > 3
+                    && let Some(end) = self.ends_where_it_began(ends, (step, true), &walked, &here)
+                {
+                    break end;
+                }
+                self.settle(&next);
                 // What is left of a stay that comes to its end breaks in whichever way rounding says.
                 if let Some(index) = self.stay_vanishes(&curve.station)
                     && self.stay_ends(index, &mut curve, &mut here)
@@ -306,14 +313,11 @@ impl Walker {
                 }
             }
             made += 1;
+            let ends = (&curve.station, &next);
             if made > 3
-                && let Some((last, ahead)) = self.returns((&curve.station, &next), step, &walked)
+                && let Some(end) = self.ends_where_it_began(ends, (step, false), &walked, &here)
             {
-                self.settle(&last);
-                let there = Point::new(&mut self.shooting, &last);
-                let end = self.between(&curve.station, &last, ahead, (&here, &there));
-                let comes_back = (last.parameter_slope() > 0.0) != walked.rises;
-                break end.unwrap_or(if comes_back { End::Back } else { End::Closed });
+                break end;
             }
             if let Some(end) = theory_ends {
                 let last = Point::new(&mut self.shooting, &next);

@@ -350,10 +350,10 @@ v = 0.5
     assert_eq!(again.unwrap().len(), 1);
 }
 
-/// A free mass in a cavity of a driven one: below its first graze the branch of the symmetric orbit goes around by way of unsymmetric ones,
-/// and comes back along itself. Above where it began it goes on.
+/// A free mass in a cavity of a driven one: where its symmetric orbit touches both walls at once the branch goes on with both impacts; what strikes one of them
+/// goes around by way of its mirror image, through that place and through where it meets the symmetric one, and is closed.
 #[test]
-fn a_branch_that_comes_back_along_itself_has_another_side() {
+fn what_strikes_one_wall_comes_back_by_way_of_its_mirror_image() {
     const DAMPER: &str = r#"
 [parameters]
 omega = 1.6
@@ -378,26 +378,39 @@ v = 0.5
 y = 0
 w = 0.3
 "#;
-    let found = over(&with(DAMPER, &[]), "omega", (0.8, 2.4), (20, 0.01));
-    assert_eq!(found[0].ends, [End::Back, End::Range]);
-    let last = found[0].points.last().unwrap();
+    let found = over(&with(DAMPER, &[]), "omega", (1.0, 2.4), (3, 0.05));
+    let [symmetric, lone] = &found[..] else {
+        panic!("{} branches", found.len());
+    };
+    assert_eq!(symmetric.ends, [End::Impacts(3), End::Range]);
+    let last = symmetric.points.last().unwrap();
     assert!((last.parameter() - 2.4).abs() < 1e-9);
     // By return maps with forty digits.
-    let tori = (found[0].special.iter()).filter(|s| s.kind == SpecialKind::NeimarkSacker);
-    let tori: Vec<f64> = tori.map(value).filter(|&omega| omega > 1.6).collect();
+    let tori = (symmetric.special.iter()).filter(|s| s.kind == SpecialKind::NeimarkSacker);
+    let tori: Vec<f64> = tori.map(value).collect();
     let off = |omega: f64| tori.iter().any(|found| (found - omega).abs() < 1e-11);
     assert!(
         off(1.759_999_879_288_5) && off(2.195_679_128_249_7),
         "{tori:?}"
     );
-    // The mirror images of the way out are not told again.
-    let grazes = (found[0].special.iter()).filter(|s| s.kind.is_graze());
-    let grazes: Vec<f64> = grazes.map(value).collect();
-    let [high, low] = grazes[..] else {
-        panic!("{grazes:?}")
-    };
-    assert!((high - 1.234_191_681_569_6).abs() < 1e-12 && (low - 1.022_062_775_269).abs() < 1e-12);
-    assert_eq!(found[0].special[0].kind, SpecialKind::BranchPoint);
+    assert_eq!(lone.ends, [End::Closed, End::Closed]);
+    let (both, one) = (1.022_062_775_269, 1.234_191_681_569_6);
+    for (branch, expected) in [(symmetric, vec![both, both]), (lone, vec![both, one, one])] {
+        let grazes = branch.special.iter().filter(|s| s.kind.is_graze());
+        let mut grazes: Vec<f64> = grazes.map(value).collect();
+        grazes.sort_by(f64::total_cmp);
+        assert_eq!(grazes.len(), expected.len(), "{grazes:?}");
+        let mut pairs = grazes.iter().zip(&expected);
+        assert!(
+            pairs.all(|(told, expected)| (told - expected).abs() < 1e-12),
+            "{grazes:?}"
+        );
+        let meets = branch
+            .special
+            .iter()
+            .filter(|s| s.kind == SpecialKind::BranchPoint);
+        assert_eq!(meets.count(), 1);
+    }
 }
 
 /// Orbits that cross the section two and three times, and have no other events, are one orbit at each crossing: Roessler's doubled orbits are

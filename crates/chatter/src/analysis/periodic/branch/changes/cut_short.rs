@@ -178,7 +178,7 @@ impl Walker {
         let (stay, longer, held, next) = [Stay::On, Stay::Beyond].into_iter().find_map(|stay| {
             let with = (index, guard, stay);
             let (longer, guess, held) = self.shooting.with_hold(&station.at, with).ok()?;
-            let (longer, next) = longer.from_no_time(&guess, held)?;
+            let (longer, next) = longer.beginning_with_no_time(&guess, held)?;
             let stays = longer.stays(&next.at, (held, guard, stay));
             stays.then_some((stay, longer, held, next))
         })?;

@@ -169,7 +169,7 @@ impl Walker {
         }
         let longer = self.shooting.with_crossing(&station.at, (index, guard));
         let (longer, guess) = longer.ok()?;
-        let (longer, next) = longer.from_no_time(&guess, index)?;
+        let (longer, next) = longer.beginning_with_no_time(&guess, index)?;
         let onto = guard.opposite()?;
         let is_told = !longer.is_smooth(index);
         let onward = match longer.leads_onto(&next.at, (index, onto)) {

@@ -16,7 +16,11 @@ pub(super) type Watched = ((usize, bool), GuardKind);
 
 impl Shooting<f64> {
     /// Equations with a step of no time at a guess of their solution, at their first station: on to where it takes time. None if the solution is elsewhere.
-    pub(super) fn from_no_time(mut self, guess: &[f64], step: usize) -> Option<(Self, Station)> {
+    pub(super) fn beginning_with_no_time(
+        mut self,
+        guess: &[f64],
+        step: usize,
+    ) -> Option<(Self, Station)> {
         let place = self.duration_place(step)?;
         let none = Condition::fixed(guess.len(), place, 0.0);
         let found = newton(&mut self, guess, core::slice::from_ref(&none)).ok()?;

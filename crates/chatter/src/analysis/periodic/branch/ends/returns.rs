@@ -1,8 +1,10 @@
 //! Whether a branch has come back to where it began.
 
 use crate::analysis::continuation::{Problem, Station, locate};
+use crate::analysis::periodic::branch::Point;
+use crate::analysis::periodic::branch::changes::holds::sequence_holds;
 use crate::analysis::periodic::branch::kept::Walked;
-use crate::analysis::periodic::branch::limits::station_at;
+use crate::analysis::periodic::branch::limits::{End, station_at};
 use crate::analysis::periodic::branch::special::Near;
 use crate::analysis::periodic::branch::walker::Walker;
 use crate::analysis::periodic::cycle::itinerary::Passage;
@@ -102,7 +104,7 @@ pub(in crate::analysis::periodic) fn returned(
 
 impl Walker {
     /// Where the branch comes back, between two stations, to where it began, and how far that is from the first.
-    pub(in crate::analysis::periodic::branch) fn returns(
+    fn returns(
         &mut self,
         ends: (&Station, &Station),
         step: f64,
@@ -115,6 +117,26 @@ impl Walker {
         let reader = self.shooting.clone();
         returned(&mut self.shooting, &reader, (ends, step), known)
             .or_else(|| self.returns_elsewhere(ends, step, began))
+    }
+
+    /// How the branch ends between two stations, if it comes back there to where it began, be it that the sequence of events breaks beyond.
+    pub(in crate::analysis::periodic::branch) fn ends_where_it_began(
+        &mut self,
+        (from, to): (&Station, &Station),
+        (step, breaks): (f64, bool),
+        began: &Walked,
+        here: &Point,
+    ) -> Option<End> {
+        let (last, ahead) = self.returns((from, to), step, began)?;
+        // What breaks on the way may do so before that.
+        if breaks && !sequence_holds(&mut self.shooting, &last.at) {
+            return None;
+        }
+        self.settle(&last);
+        let there = Point::new(&mut self.shooting, &last);
+        let end = self.between(from, &last, ahead, (here, &there));
+        let comes_back = (last.parameter_slope() > 0.0) != began.rises;
+        Some(end.unwrap_or(if comes_back { End::Back } else { End::Closed }))
     }
 
     /// The same of an orbit that is told from one of its crossings of the section: it may come back with another of them for that one.
