@@ -11,7 +11,7 @@ use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::flow::GuardKind;
-use crate::flow::leg::{Jump, LegKind};
+use crate::flow::leg::{Jump, Least, LegKind};
 use crate::numerics::Real;
 
 impl<R: Real> Shooting<R> {
@@ -80,21 +80,46 @@ impl Shooting<f64> {
 }
 
 impl Shooting<f64> {
+    /// Whether friction at the impact before a step has brought the state to the surface of a guard.
+    fn begins_stopped(&self, index: usize, guard: GuardKind) -> bool {
+        match self.steps[self.before(index)].passage {
+            Passage::Leg(LegKind {
+                jump: Jump::Stop(contact),
+                ..
+            }) => self.is_turn(contact, guard),
+            _ => false,
+        }
+    }
+
     /// Whether a step leads off the surface that friction at the impact before it has brought the state to, and back to cross it, where the field goes on as
     /// it is.
     fn dips(&self, at: &[f64], index: usize) -> bool {
-        let stopped = match self.steps[self.before(index)].passage {
-            Passage::Leg(kind) => kind.jump,
-            _ => Jump::None,
-        };
-        let (Jump::Stop(contact), Some(guard)) = (stopped, self.crossed(index)) else {
-            return false;
-        };
         let lasts = self.duration_place(index).map(|place| at[place]);
-        self.is_turn(contact, guard)
+        let stopped = (self.crossed(index)).is_some_and(|guard| self.begins_stopped(index, guard));
+        stopped
             && self.is_smooth(index)
             && self.steps.len() > 1
             && lasts.is_some_and(|lasts| lasts < NO_TIME * self.period())
+    }
+
+    /// Whether what a guard has for a least value on a step is such a way, to the other side and back: nothing happens there.
+    pub(super) fn is_dip(&self, index: usize, least: &Least) -> bool {
+        let GuardKind::Switch(surface) = least.guard else {
+            return false;
+        };
+        if least.at_end || !self.begins_stopped(index, least.guard) {
+            return false;
+        }
+        let (Some(at), mode) = (self.watching(), self.steps[index].mode()) else {
+            return false;
+        };
+        let parameters = self.workshop.parameters(self.free(at));
+        let all = self.parameters_of(&parameters, &self.steps[index]);
+        let own = self.workshop.system.field_of(mode, &all, &least.state);
+        let beyond = self.mode_beyond(mode, surface);
+        let beyond =
+            beyond.and_then(|mode| self.workshop.system.field_of(mode, &all, &least.state));
+        own.is_some() && own == beyond
     }
 }
 
@@ -107,11 +132,13 @@ impl Walker {
         (station, index): (&Station, usize),
         here: &mut Point,
     ) -> Option<Stop> {
+        // There the curve turns into the time that vanishes, and the parameter says nothing.
+        self.settle(&curve.station);
+        let forward = self.heading_known(&curve.station)?;
         self.settle(station);
         if !self.shooting.dips(&station.at, index) {
             return None;
         }
-        let forward = self.heading_known(station)?;
         let (mut shorter, guess, _) = self.shooting.without_crossing(&station.at, index).ok()?;
         let next = Station::beside(&mut shorter, &guess).ok()?;
         if moved(&next.at, &guess, shorter.scales()) > THERE {

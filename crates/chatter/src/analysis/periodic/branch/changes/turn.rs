@@ -131,7 +131,7 @@ impl Shooting<f64> {
     }
 
     /// The mode on the other side of a surface.
-    fn mode_beyond(&self, mode: usize, surface: usize) -> Option<usize> {
+    pub(super) fn mode_beyond(&self, mode: usize, surface: usize) -> Option<usize> {
         let system = &self.workshop.system;
         let (grip, sides, _) = system.origin_of(mode)?;
         let other = match sides.get(surface) {
