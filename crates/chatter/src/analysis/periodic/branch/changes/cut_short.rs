@@ -40,7 +40,9 @@ impl<R: Real> Shooting<R> {
         {
             return (!self.slides_along(first, surface)).then_some((guard, Stay::On));
         }
-        (self.crossed(before) == Some(guard)).then_some((guard, Stay::Beyond))
+        // Friction of what comes to a stop at the impact is of neither side.
+        let is_crossed = self.crossed(before) == Some(guard) && !self.slips_about(index);
+        is_crossed.then_some((guard, Stay::Beyond))
     }
 }
 

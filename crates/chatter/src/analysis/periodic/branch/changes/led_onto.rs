@@ -15,7 +15,8 @@ use crate::flow::leg::{Jump, Least, LegKind};
 use crate::numerics::Real;
 
 impl<R: Real> Shooting<R> {
-    /// The guard that a step, which begins with a jump onto its surface, ends at to go on beyond it: not with one that takes the state off it.
+    /// The guard that a step, which begins with a jump onto its surface, ends at to go on beyond it: not with one that takes the state off it, nor with one
+    /// whose friction stops what slides there.
     pub(in crate::analysis::periodic) fn led_onto(&self, index: usize) -> Option<GuardKind> {
         let first = &self.steps[self.before(index)];
         let jumps = match first.passage {
@@ -23,7 +24,9 @@ impl<R: Real> Shooting<R> {
             _ => false,
         };
         let is_left = |guard: GuardKind| match guard {
-            GuardKind::Switch(surface) => self.slides_along(first, surface),
+            GuardKind::Switch(surface) => {
+                self.slides_along(first, surface) || self.slips_about(index)
+            }
             _ => false,
         };
         let crossed = self

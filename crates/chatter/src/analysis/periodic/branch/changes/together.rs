@@ -72,7 +72,9 @@ impl Shooting<f64> {
         let others = touches_beside(&mut longer, &at, own).ok()?;
         let gaps = |guard: &GuardKind| matches!(guard, GuardKind::Gap(_));
         let others: Vec<GuardKind> = others.into_iter().filter(gaps).collect();
-        if others.is_empty() {
+        // What touches the same contact once more is the same orbit a turn later, or backwards in time.
+        let contact = longer.steps[own].impact().map(GuardKind::Gap);
+        if others.is_empty() || others.iter().any(|other| Some(*other) == contact) {
             return None;
         }
         for other in others {
