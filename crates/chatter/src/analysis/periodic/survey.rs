@@ -368,12 +368,9 @@ fn leave(
                 SpecialKind::PeriodDoubling if doublings < beside.doublings => {
                     (-1.0, (doublings + 1, branch_points))
                 }
-                SpecialKind::BranchPoint if branch_points < beside.branch_points => {
-                    (1.0, (doublings, branch_points + 1))
-                }
-                // Where several impacts lose their rates at once orbits with others of them leave.
-                kind if kind.is_graze()
-                    && !special.leaves.is_empty()
+                // Where several impacts lose their rates at once orbits with others of them leave, too.
+                kind if (kind == SpecialKind::BranchPoint
+                    || kind.is_graze() && !special.leaves.is_empty())
                     && branch_points < beside.branch_points =>
                 {
                     (1.0, (doublings, branch_points + 1))

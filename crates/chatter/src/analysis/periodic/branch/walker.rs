@@ -262,7 +262,6 @@ impl Walker {
                 {
                     break end;
                 }
-                self.settle(&next);
                 // What is left of a stay that comes to its end breaks in whichever way rounding says.
                 if let Some(index) = self.stay_vanishes(&curve.station)
                     && self.stay_ends(index, &mut curve, &mut here)

@@ -80,9 +80,7 @@ impl Shooting<f64> {
             None => Err(unknown()),
         }
     }
-}
 
-impl Shooting<f64> {
     /// Whether friction at the impact before a step has brought the state to the surface of a guard.
     fn begins_stopped(&self, index: usize, guard: GuardKind) -> bool {
         match self.steps[self.before(index)].passage {
@@ -94,15 +92,16 @@ impl Shooting<f64> {
         }
     }
 
-    /// Whether a step leads off the surface that friction at the impact before it has brought the state to, and back to cross it, where the field goes on as
-    /// it is.
+    /// Whether a step leads off the surface that friction at the impact before it has brought the state to, and back to cross it.
+    fn comes_back_after_stop(&self, index: usize) -> bool {
+        let crossed = self.crossed(index).filter(|_| self.steps.len() > 1);
+        crossed.is_some_and(|guard| self.begins_stopped(index, guard))
+    }
+
+    /// Whether such a step takes next to no time, and the field goes on as it is.
     fn dips(&self, at: &[f64], index: usize) -> bool {
         let lasts = self.duration_place(index).map(|place| at[place]);
-        let stopped = (self.crossed(index)).is_some_and(|guard| self.begins_stopped(index, guard));
-        stopped
-            && self.is_smooth(index)
-            && self.steps.len() > 1
-            && lasts.is_some_and(|lasts| lasts < NO_TIME * self.period())
+        self.is_smooth(index) && lasts.is_some_and(|lasts| lasts < NO_TIME * self.period())
     }
 
     /// Whether what a guard has for a least value on a step is such a way, to the other side and back: nothing happens there.
@@ -135,6 +134,9 @@ impl Walker {
         (station, index): (&Station, usize),
         here: &mut Point,
     ) -> Option<Stop> {
+        if !self.shooting.comes_back_after_stop(index) {
+            return None;
+        }
         // There the curve turns into the time that vanishes, and the parameter says nothing.
         self.settle(&curve.station);
         let forward = self.heading_known(&curve.station)?;

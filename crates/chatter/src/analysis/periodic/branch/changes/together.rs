@@ -64,6 +64,11 @@ impl Shooting<f64> {
         self.workshop.closure.time.is_some() || self.counts.iter().any(|&count| count != 0)
     }
 
+    /// Whether others may touch where an impact grazes by equations that are regular with them: where there are others, and a clock.
+    fn may_touch_together(&self) -> bool {
+        self.workshop.model.contacts.len() > 1 && self.has_clock()
+    }
+
     /// A graze with an impact wherever other contacts touch as well, and without its own if that goes out. None where no others touch.
     fn with_others_that_touch(&self, touched: &Touched, goes_out: bool) -> Option<Touched> {
         let (mut longer, mut at, mut own) =
@@ -149,7 +154,7 @@ impl Walker {
         touched: &Touched,
         there: &Point,
     ) -> Option<Station> {
-        if !self.shooting.has_clock() {
+        if !self.shooting.may_touch_together() {
             return None;
         }
         let all = self.shooting.with_others_that_touch(touched, false)?;
@@ -175,7 +180,7 @@ impl Walker {
         index: usize,
         there: &Point,
     ) -> Option<Station> {
-        if !self.shooting.has_clock() {
+        if !self.shooting.may_touch_together() {
             return None;
         }
         let scales = self.shooting.scales().to_vec();
