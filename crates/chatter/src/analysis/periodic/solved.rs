@@ -30,9 +30,10 @@ pub(crate) struct Solved {
 }
 
 impl Shooting<f64> {
-    /// Multipliers where the curve passes a station, as longer numbers tell them, and what their moduli may be off by.
+    /// Multipliers where a branch passes a station, as longer numbers tell them, and what their moduli may be off by. A curve in two parameters has one
+    /// more condition, which these equations do not know.
     pub(crate) fn multipliers_beside(&self, station: &Station) -> Option<(Vec<Complex>, f64)> {
-        if station.tangent.len() != self.scales().len() {
+        if self.parameters() != 1 || station.tangent.len() != self.scales().len() {
             return None;
         }
         let across = station.across(self.scales());

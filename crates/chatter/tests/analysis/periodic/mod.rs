@@ -13,6 +13,7 @@ mod new_kinds;
 mod orbits;
 mod phases;
 mod plane;
+mod plane_borders;
 mod plane_closed;
 mod plane_corners;
 mod plane_listed;

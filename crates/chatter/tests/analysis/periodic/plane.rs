@@ -210,19 +210,6 @@ fn tori_of_two_masses_in_two_parameters() {
     }
 }
 
-/// The border of the valve at other parameters, in quadruple precision.
-#[test]
-fn the_border_of_the_valve_in_two_parameters() {
-    let valve = model("pressure_relief_valve", &[("q", "0.02")]);
-    let found = over(&valve, "q", (0.0199, 0.02008), (2, 0.1));
-    let border = nearest(&found, &[SpecialKind::ChatterBorder], 0.02005);
-    let curve = curve(&valve, ["q", "kappa"], &border, ((1.25, 1.3), 0.5));
-    assert_eq!(curve.ends, [End::Range, End::Range]);
-    let last = curve.points.last().unwrap();
-    assert!((last.parameters[1] - 1.3).abs() < 1e-15);
-    assert!((last.parameters[0] - 0.014_453_978_036_535_98).abs() < 1e-11);
-}
-
 /// Branches over a parameter, with the zeros of a function of the user's.
 fn watched(
     model: &Model,
