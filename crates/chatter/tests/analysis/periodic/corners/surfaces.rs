@@ -79,6 +79,30 @@ fn a_stay_with_a_corner_that_is_there_alone_comes_and_goes() {
     }
 }
 
+/// The same stop typed with a corner that is everywhere: as it is touched that shares the instant of the crossing and of the way back, which is one touch. The
+/// corner itself is touched where its own amplitude is its place.
+#[test]
+fn a_stay_comes_and_goes_at_the_corner_of_what_does_not_pull() {
+    let text = "[parameters]\nw = 1.8\n[flight]\nx = \"v\"\n\
+        v = \"0.5*cos(w*t) - 0.06*v - x - max(15*(x - 0.2) + 2*v, 0)*step(x - 0.2)\"\n[section.s]\nsurface = \"sin(w*t)\"\n\
+        direction = \"rising\"\n[initial]\nx = 0\nv = 0\n";
+    // (1 - w^2)^2 + (0.06 w)^2 is the square of 0.5/0.2, for the corner times 1 + (2 w/15)^2.
+    let exact = [0.0, (2.0_f64 / 15.0).powi(2)].map(|part| {
+        let half = 0.5 * (2.0 - 0.06_f64.powi(2) + 6.25 * part);
+        (half + (half * half - 1.0 + 6.25).sqrt()).sqrt()
+    });
+    for (start, step) in [("1.8", 0.1), ("1.75", 0.2), ("1.79", 0.07), ("1.95", 0.1)] {
+        let found = over(&with(text, &[("w", start)]), "w", (1.7, 2.0), (4, step));
+        let branch = &found[0];
+        assert_eq!(branch.ends, [End::Range, End::Range], "{start} {step}");
+        let touches: Vec<f64> = branch.special.iter().map(value).collect();
+        assert_eq!(touches.len(), 2, "{start} {step} {touches:?}");
+        for (touch, exact) in touches.iter().zip(exact) {
+            assert!((touch - exact).abs() < 1e-14, "{start} {step} {touches:?}");
+        }
+    }
+}
+
 /// The soft stop is touched from both sides: where all that happens is a crossing and the way back, too.
 #[test]
 fn the_only_crossing_may_come_and_go() {

@@ -107,7 +107,10 @@ impl Walker {
             return stop;
         }
         self.settle(&station);
-        if let Broken::Passed(index) = broken {
+        // With a stay that is over a corner within it shares the instant of the crossing and of the way back.
+        if let Broken::Passed(index) = broken
+            && !(self.shooting).stay_with_corner_vanishes(&station.at, index)
+        {
             return self.exchange((curve, step, reached), (station, index), here);
         }
         if let Broken::Event(index)
@@ -270,7 +273,8 @@ impl Walker {
                 self.begins_at_its_end((&from, &station), &broken, &there);
                 Err(broken.told(&self.shooting))
             }
-            Broken::Passed(_) | Broken::Order(_) => Err(broken.told(&self.shooting)),
+            Broken::Passed(index) => self.lose(&station, index, &there),
+            Broken::Order(_) => Err(broken.told(&self.shooting)),
         };
         if outcome.is_err() && is_small {
             return Stop::End(as_rounding);

@@ -217,6 +217,12 @@ impl Shooting<f64> {
         })
     }
 
+    /// Whether such a stay, which this event is part of, takes no time any more but for rounding.
+    pub(super) fn stay_with_corner_vanishes(&self, at: &[f64], event: usize) -> bool {
+        let known = self.with_corner_after_stay(at, event);
+        known.is_some_and(|(stays, at, _)| stays.stay_that_vanishes(&at).is_some())
+    }
+
     /// The same orbit without a corner within the stay after a crossing: of no time, with which it is nothing.
     fn stay_without_corner(&self, at: &[f64], first: usize) -> Option<(Self, Vec<f64>, usize)> {
         let mut steps = self.current_steps(at);
