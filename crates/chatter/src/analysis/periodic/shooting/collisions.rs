@@ -74,6 +74,14 @@ impl Shooting<f64> {
         Some(all.fold(grip.closed, |all, contact| all.with(contact)))
     }
 
+    /// Whether a guard ends a step that takes no time at the instant of this one's end.
+    pub(crate) fn ends_at_once_after(&self, index: usize, guard: GuardKind) -> bool {
+        let on = core::iter::successors(Some(self.after(index)), |&step| Some(self.after(step)));
+        (on.take(self.steps.len() - 1).map(|step| &self.steps[step]))
+            .take_while(|step| step.is_at_once())
+            .any(|step| step.ends_at() == Some(guard))
+    }
+
     /// The step of the collision that another one could precede as well, if there is one, with another derivative: after an evaluation.
     pub(crate) fn tie(&self) -> Option<usize> {
         let ties = |&index: &usize| {

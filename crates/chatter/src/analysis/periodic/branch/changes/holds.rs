@@ -160,7 +160,8 @@ pub(crate) fn broken(shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Vec<Brok
             let known = match least.at_end {
                 false if is_event => continue,
                 false => Broken::Inner(index, least.guard),
-                true if !is_known => continue,
+                true if !is_known || shooting.ends_at_once_after(index, least.guard) => continue,
+                true if shooting.is_rounding_of_gap(index, least) => continue,
                 true if step.ends_at() == Some(least.guard) => Broken::Beyond(index, least.guard),
                 true => Broken::Early(index, least.guard),
             };

@@ -7,7 +7,24 @@ use crate::analysis::periodic::shooting::Shooting;
 use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, Least};
 
+/// A gap that is so few roundoffs of what it is the sum of is zero.
+const ROUNDOFFS: f64 = 8.0;
+
 impl Shooting<f64> {
+    /// Whether a least value is that of a gap where a step begins, as that of a contact which opens at the very instant of the event before, and no more than
+    /// rounding of what it is the sum of.
+    pub(in crate::analysis::periodic::branch) fn is_rounding_of_gap(
+        &self,
+        index: usize,
+        least: &Least,
+    ) -> bool {
+        let (GuardKind::Gap(contact), Some(at)) = (least.guard, self.watching()) else {
+            return false;
+        };
+        let terms = || self.gap_rate(at, (index, contact)).1;
+        least.time == 0.0 && !is_told(least.value.abs(), terms(), ROUNDOFFS)
+    }
+
     /// Whether a least value on a step is that of a gap which has opened by no more than rounding, before or after a corner.
     pub(in crate::analysis::periodic::branch) fn is_just_released(
         &self,
