@@ -421,3 +421,23 @@ fn flights_that_shrink_to_nothing_graze_nowhere() {
         assert_eq!(branch.ends, [End::Range, End::Range], "{step}");
     }
 }
+
+/// A print hammer strikes its backstop just as its pulse begins, a little beyond a fold of its orbits: there the branch has a corner and goes on, though a
+/// long step begins before the fold. The period is that of two equations in closed flights with 30 digits.
+#[test]
+fn a_branch_goes_on_where_an_impact_passes_a_pulse_though_the_step_begins_before_a_fold() {
+    let text = "[parameters]\nT = 2.6\n[flight]\nx = \"v\"\nv = \"if(mod(t, T) < 0.6, 3, 0) - 0.4 - x - 0.2*v\"\n[[contact]]\n\
+        name = \"paper\"\ngap = \"0.5 - x\"\nimpulse = { v = -1 }\nrestitution = 0.55\n[[contact]]\nname = \"backstop\"\n\
+        gap = \"x\"\nimpulse = { v = 1 }\nrestitution = 0.3\n[section.s]\nsurface = \"sin(2*pi*t/T)\"\n\
+        direction = \"rising\"\n[initial]\nx = 0.1\nv = 0\n";
+    let found = over(&with(text, &[]), "T", (2.5, 8.0), (5, 0.1));
+    let told = found[0].special.iter();
+    let told: Vec<_> = told
+        .filter(|s| s.kind == SpecialKind::Touch && s.point.impacts == Some(5))
+        .collect();
+    let [touch] = told[..] else {
+        panic!("{told:?}");
+    };
+    assert!((value(touch) - 2.976_386_474_399_244).abs() < 1e-11);
+    assert_eq!(touch.persists, Some(true));
+}

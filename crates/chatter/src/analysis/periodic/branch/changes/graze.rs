@@ -353,7 +353,8 @@ impl Walker {
             return Stop::End(end);
         }
         self.settle(&station);
-        let forward = self.heading_known(&curve.station);
+        // There, and not where the step begins: a fold may lie between.
+        let forward = self.heading_known(&station);
         let exchanged = self.shooting.exchanged(&station.at, index);
         let shows = |exchanged: &Exchanged| Shooting::order_shows(exchanged).unwrap_or(true);
         // Where friction begins or ceases to stop what slides at an impact other impacts do beside it, and nothing is told of any.
