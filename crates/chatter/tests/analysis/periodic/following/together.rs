@@ -168,3 +168,31 @@ fn a_branch_goes_on_as_its_mirror_image_does_where_both_stops_are_touched_at_onc
         }
     }
 }
+
+/// A cycle of a tube between two walls, which no clock drives, touches both at once. Orbits that strike both lie on the side from where those come that strike
+/// none: the branch turns back there, and so both grazes say from wherever they are met. The value is that of an integrator of Runge and Kutta's kind,
+/// of order eight.
+#[test]
+fn both_grazes_of_a_cycle_without_a_clock_are_told_alike_from_either_side() {
+    let text = "[parameters]\nk = 0.25\n[flight]\nx = \"u\"\nu = \"0.04*u - x + k*y - 0.4*u*x^2\"\ny = \"w\"\n\
+        w = \"-0.06*w - 1.15*y - k*x\"\n[[contact]]\nname = \"right\"\ngap = \"1 - x\"\nimpulse = { u = -1 }\n\
+        restitution = 0.7\n[[contact]]\nname = \"left\"\ngap = \"1 + x\"\nimpulse = { u = 1 }\nrestitution = 0.7\n\
+        [section.top]\nsurface = \"y\"\ndirection = \"falling\"\n[initial]\nx = 0.1\nu = 0.3\ny = 0.1\nw = 0.2\n";
+    for start in ["0.09", "0.11"] {
+        let found = over(&with(text, &[("k", start)]), "k", (0.05, 0.15), (4, 0.1));
+        let grazes: Vec<_> = (found[0].special.iter())
+            .filter(|special| special.kind.is_graze())
+            .collect();
+        let impacts: Vec<_> = grazes.iter().map(|graze| graze.point.impacts).collect();
+        assert_eq!(impacts, [Some(0), Some(1)], "from {start}");
+        for graze in grazes {
+            assert_eq!(graze.kind, SpecialKind::FlightGraze, "from {start}");
+            assert_eq!(graze.persists, Some(false), "from {start}");
+            assert!(
+                (value(graze) - 0.097_913_066_779_574_6).abs() < 1e-12,
+                "{}",
+                value(graze)
+            );
+        }
+    }
+}

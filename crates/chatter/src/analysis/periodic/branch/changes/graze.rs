@@ -536,7 +536,11 @@ impl Walker {
                 };
                 let both = forward.zip(onward);
                 let persists = both.map(|(forward, onward)| onward * forward > 0.0);
-                self.tell_persists(persists);
+                self.tell_persists(match self.told_with_one_before() {
+                    // The way to both turns as often as at each.
+                    Some(before) => persists.map(|persists| persists == before),
+                    None => persists,
+                });
                 self.settle(&next);
                 self.begins_anew((next, CAREFUL * curve.step), curve, here);
                 Stop::On
@@ -628,6 +632,7 @@ impl Walker {
         self.note(graze(opens), there, &known, error, residual);
         if has_pole {
             self.tell_no_multipliers();
+            self.tells_with_one_before();
         }
         if takes_off {
             let slipping = self.shooting.with_slip(&at, index).ok();
@@ -650,6 +655,36 @@ impl Walker {
             correction,
             orientation: 0.0,
         })
+    }
+
+    /// Tells the latest graze, beside an impact that has no rate yet, with the one at which that came in, if both are one place: the way between them
+    /// is of no length, and says neither which way the gap goes nor whether the branch goes on.
+    fn tells_with_one_before(&mut self) {
+        let [.., first, latest] = &mut self.special[..] else {
+            return;
+        };
+        let off = (first.point.parameter() - latest.point.parameter()).abs();
+        if first.kind.is_graze() && off <= first.error + latest.error {
+            latest.kind = first.kind;
+            latest.persists = first.persists;
+            let value = first.point.parameters.last().copied();
+            if let (Some(told), Some(value)) = (latest.point.parameters.last_mut(), value) {
+                *told = value;
+            }
+        }
+    }
+
+    /// Whether the branch went on at the graze before the latest, where that is told with it.
+    fn told_with_one_before(&self) -> Option<bool> {
+        let [.., first, latest] = &self.special[..] else {
+            return None;
+        };
+        let value = |special: &Special| special.point.parameter().to_bits();
+        let is_one = latest.kind.is_graze()
+            && first.kind == latest.kind
+            && value(first) == value(latest)
+            && first.persists == latest.persists;
+        first.persists.filter(|_| is_one)
     }
 
     /// An impact has lost its rate, or a surface is no longer crossed: it goes out.
