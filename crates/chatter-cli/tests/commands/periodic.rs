@@ -263,6 +263,10 @@ fn wrong_questions_are_told_what_is_wrong() {
             "orbit pressure_relief_valve --section closng",
             "did you mean `closing`?",
         ),
+        (
+            "orbit impact_oscillator --set r=2",
+            "restitution 2, outside",
+        ),
         ("orbit bouncing_ball --section top", "no section `top`"),
         ("orbit impact_oscillator --all 1000", "from 1 to 64"),
         (

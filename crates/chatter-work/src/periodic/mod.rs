@@ -39,7 +39,7 @@ pub use wanted::{Branches, Curve, Orbits, Reach, beside, search};
 use crate::Refusal;
 use crate::numbers::Digits;
 use chatter::analysis::periodic::{Branch, PeriodicError, SpecialKind};
-use chatter::flow::GuardKind;
+use chatter::flow::{FlowError, GuardKind};
 use chatter::model::Model;
 
 /// What was asked about.
@@ -144,6 +144,7 @@ fn is_wrong(error: &PeriodicError) -> bool {
         error,
         PeriodicError::System(_)
             | PeriodicError::Start(_)
+            | PeriodicError::Ended(FlowError::Restitution { .. })
             | PeriodicError::Autonomous
             | PeriodicError::NoPeriod
             | PeriodicError::BadMonitor { .. }

@@ -97,6 +97,9 @@ const LOOKS: usize = 8;
 const LATE: f64 = 50.0;
 const REPEATED: f64 = 1e-6;
 
+/// Free parameters are looked at this part of their size away from the model's values, too.
+const ASIDE: f64 = 1e-3;
+
 /// A period is a multiple of another up to so much.
 const SAME: f64 = 1e-9;
 
@@ -157,7 +160,15 @@ impl Closure {
         let phases = model.phases_in(&mut graph, &equations);
         let parameters = model.parameter_values::<f64>(&[]);
         let initial = model.initial_state(&parameters);
-        let idle = Translations::new(model, &equations).at(&parameters, &initial);
+        // What nothing depends on at the model's values alone, as time where a force is zero, something does as they change.
+        let translations = Translations::new(model, &equations);
+        let mut idle = translations.at(&parameters, &initial);
+        if !idle.is_empty() && !free.is_empty() {
+            let mut beside = parameters.clone();
+            (free.iter()).for_each(|&index| beside[index] += ASIDE * (1.0 + beside[index].abs()));
+            let there = translations.at(&beside, &initial);
+            idle.retain(|known| there.iter().any(|other| other.state == known.state));
+        }
         if given.is_some() && model.time.is_none() && phases.is_empty() {
             return Err(PeriodicError::Autonomous);
         }
@@ -206,7 +217,10 @@ impl Closure {
             });
         }
         let known = |time: usize| turning.iter().any(|turning| turning.state == time);
-        if model.time.is_some_and(|time| !known(time)) {
+        // A section may be all that says what time is.
+        let asks_all = sections.len() == model.sections.len();
+        let is_idle = |time: usize| asks_all && idle.iter().any(|free| free.state == time);
+        if (model.time).is_some_and(|time| !known(time) && !is_idle(time)) {
             return Err(PeriodicError::NoPeriod);
         }
         Ok(Self {

@@ -1,7 +1,8 @@
 //! Orbits of what is driven through lookups, floors and steps, and of events that share an instant.
 
-use super::{orbit, with};
+use super::{orbit, over, with};
 use chatter::numerics::{Complex, Real};
+use core::f64::consts::TAU;
 
 fn near(found: Complex, (re, im): (f64, f64)) -> bool {
     (found.re - re).abs() + (found.im.abs() - im).abs() < 1e-9
@@ -167,4 +168,24 @@ v = 1
     let product = one.re * other.re - one.im * other.im;
     let left = (-0.2 * core::f64::consts::PI).exp();
     assert!((product - left).abs() < 1e-12, "{product}");
+}
+
+/// A force of no size drives nothing: the cycle is that of the equations without it, whatever its clock, and beside it, as the force grows, orbits have
+/// its period.
+#[test]
+fn a_force_of_no_size_is_no_clock() {
+    let kicked = |force: &str| {
+        let text = format!(
+            "[parameters]\nF = 0\n[flight]\nx = 'u'\nu = '-0.1*u - sin(x){force}'\n[[event]]\nname = 'kick'\n\
+             surface = 'x - 0.05'\ndirection = 'rising'\nreset = {{ u = 'u + 0.25*(1 - 0.3*u)' }}\n[initial]\nx = 1\nu = 0\n"
+        );
+        with(&text, &[])
+    };
+    let (driven, alone) = (kicked(" + F*cos(t)"), orbit(&kicked("")));
+    let found = orbit(&driven);
+    assert!((found.period - alone.period).to_f64().abs() < 1e-12);
+    assert!((found.multipliers[0].re - alone.multipliers[0].re).abs() < 1e-10);
+    let branches = over(&driven, "F", (0.1, 0.3), (4, 0.1));
+    let mut periods = branches[0].points.iter().map(|point| point.period);
+    assert!(periods.all(|period| (period - TAU).abs() < 1e-12));
 }
