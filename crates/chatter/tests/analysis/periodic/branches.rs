@@ -1,9 +1,10 @@
 //! Branches and their special points against reference values in quadruple precision, and against each other.
 
+use super::plane::curve_within;
 use super::{GRAZES, branch_spec, model, nearest, over, value, with};
 use chatter::analysis::periodic::{
     Beside, BranchSpec, End, Known, Law, Limits, Point, Spec, SpecialKind, Told, Unbounded,
-    branches, special_curve,
+    branches,
 };
 use std::ops::ControlFlow;
 
@@ -188,7 +189,6 @@ fn folds_and_grazes_in_two_parameters() {
     let text = [("omega", "0.6081"), ("r", "0.5")];
     let model = model("impact_oscillator", &text);
     let found = over(&model, "omega", (0.607, 0.609), (11, 0.01));
-    let free = ["omega", "r"].map(|name| model.parameter_index(name).unwrap());
     for (kinds, at, expected) in [
         (
             &GRAZES[..],
@@ -202,10 +202,6 @@ fn folds_and_grazes_in_two_parameters() {
         ),
     ] {
         let special = nearest(&found, kinds, at);
-        let mut model = model.clone();
-        model
-            .set_parameter("omega", &format!("{:?}", value(&special)))
-            .unwrap();
         let known = Known {
             kind: special.kind,
             monitor: None,
@@ -219,15 +215,8 @@ fn folds_and_grazes_in_two_parameters() {
             points: 2000,
             longest_step: 0.02,
         };
-        let curve = special_curve(
-            &model,
-            &Spec::default(),
-            (free, &known),
-            &limits,
-            Vec::new(),
-            &mut |_| ControlFlow::Continue(()),
-        )
-        .unwrap();
+        let told = (&known, value(&special));
+        let curve = curve_within(&model, ["omega", "r"], told, &limits).unwrap();
         assert_eq!(curve.ends, [End::Range, End::Range]);
         let first = &curve.points[0].parameters;
         assert!((first[1] - 0.49).abs() < 1e-14);

@@ -255,11 +255,14 @@ impl Special {
 
     /// How many of a branch's special points are this one: those of impacts that lose their rates at once.
     pub(super) fn events_among(&self, all: &[Self]) -> usize {
-        let value = |special: &Self| special.point.parameter().to_bits();
-        let is_this = |other: &&Self| {
-            other.kind == self.kind && other.place == self.place && value(other) == value(self)
-        };
+        let is_this =
+            |other: &&Self| other.place == self.place && other.told_as() == self.told_as();
         all.iter().filter(is_this).count()
+    }
+
+    /// What those share that were told as one: their kind, and the parameter to the bit.
+    pub(super) fn told_as(&self) -> (SpecialKind, u64) {
+        (self.kind, self.point.parameter().to_bits())
     }
 
     /// Whether both are at one value of the parameter.

@@ -613,10 +613,8 @@ impl Walker {
             return;
         };
         latest.persists = persists;
-        let (kind, value) = (latest.kind, latest.point.parameter());
-        let is_there = |special: &&mut Special| {
-            special.kind == kind && special.point.parameter().to_bits() == value.to_bits()
-        };
+        let told_as = latest.told_as();
+        let is_there = |special: &&mut Special| special.told_as() == told_as;
         let together = self.special.iter_mut().rev().take_while(is_there);
         together.for_each(|special| special.persists = persists);
     }

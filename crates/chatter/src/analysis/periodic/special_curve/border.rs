@@ -11,6 +11,7 @@ use super::start::failed;
 use crate::analysis::border::{Border, BorderSpec};
 use crate::analysis::border_search::{border_near, borders_in};
 use crate::model::Model;
+use crate::numerics::dot;
 
 /// Parts of the interval that a border is looked for in.
 const SAMPLES: usize = 6;
@@ -42,12 +43,16 @@ type Place = [f64; 2];
 /// The same in longest steps, from some origin.
 type Scaled = [f64; 2];
 
-fn plus(a: [f64; 2], factor: f64, b: [f64; 2]) -> [f64; 2] {
+fn plus(a: Place, factor: f64, b: Place) -> Place {
     [a[0] + factor * b[0], a[1] + factor * b[1]]
 }
 
 fn norm([a, b]: Scaled) -> f64 {
     a.hypot(b)
+}
+
+fn cross([a, b]: Scaled, [c, d]: Scaled) -> f64 {
+    a * d - b * c
 }
 
 struct Search<'m> {
@@ -68,8 +73,9 @@ impl Search<'_> {
         [0, 1].map(|k| (to[k] - from[k]) / self.longest[k])
     }
 
-    fn moved(&self, place: Place, by: Scaled) -> Place {
-        [0, 1].map(|k| place[k] + self.longest[k] * by[k])
+    /// So far on from a place in a direction.
+    fn moved(&self, place: Place, step: f64, ahead: Scaled) -> Place {
+        plus(place, step, [0, 1].map(|k| self.longest[k] * ahead[k]))
     }
 
     /// The border nearest to a place on a line through it, no farther from it than so much: one parameter is varied, the other
@@ -140,7 +146,7 @@ impl Search<'_> {
             (ahead[held], across[1 - held]) = (1.0, 1.0);
             let steps = (0..HALVINGS).map(|halving| FIRST / f64::from(1_u32 << halving));
             steps.into_iter().find_map(|step| {
-                let on = [step, -step].map(|by| self.moved(begin, plus([0.0; 2], by, ahead)));
+                let on = [step, -step].map(|by| self.moved(begin, by, ahead));
                 let inside = on.into_iter().find(|&on| self.edge(begin, on).is_none())?;
                 let found = self.on_line(inside, across, ANYWHERE * step);
                 found.map(|(place, _)| place)
@@ -158,11 +164,8 @@ impl Search<'_> {
         let turning = match known {
             [.., first, _, _] => {
                 let earlier = self.scaled(*first, *before);
-                let [across, along] = [
-                    earlier[0] * latest[1] - earlier[1] * latest[0],
-                    earlier[0] * latest[0] + earlier[1] * latest[1],
-                ];
-                across.atan2(along) / (0.5 * (norm(earlier) + length))
+                let turned = cross(earlier, latest).atan2(dot(&earlier, &latest));
+                turned / (0.5 * (norm(earlier) + length))
             }
             _ => 0.0,
         };
@@ -183,7 +186,7 @@ impl Search<'_> {
                 cos * heading[0] - sin * heading[1],
                 sin * heading[0] + cos * heading[1],
             ];
-            let place = self.moved(here, plus([0.0; 2], step, ahead));
+            let place = self.moved(here, step, ahead);
             (place, [-ahead[1], ahead[0]], turned)
         };
         (0..HALVINGS).find_map(|halving| {
@@ -221,10 +224,10 @@ impl Search<'_> {
         };
         let [step, left] = [to, *begin].map(|to| self.scaled(*here, to));
         let set_out = self.scaled(*before, *begin);
-        let headed = (step[0] * set_out[0] + step[1] * set_out[1]) / (norm(step) * norm(set_out));
         let length = norm(step);
-        let along = (step[0] * left[0] + step[1] * left[1]) / length;
-        let off = (step[0] * left[1] - step[1] * left[0]) / length;
+        let headed = dot(&step, &set_out) / (length * norm(set_out));
+        let along = dot(&step, &left) / length;
+        let off = cross(step, left) / length;
         headed > AS_BEFORE && (0.0..=length).contains(&along) && off.abs() <= BACK * length
     }
 }

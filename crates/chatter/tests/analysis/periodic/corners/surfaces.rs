@@ -47,16 +47,27 @@ fn an_orbit_takes_surfaces_into_use() {
     assert!(found.is_stable());
 }
 
+/// An oscillator before a stop that is in its force.
+fn stop(force: &str, w: &str) -> Model {
+    let text = format!(
+        "[parameters]\nw = 1.8\n[flight]\nx = \"v\"\nv = \"0.5*cos(w*t) - 0.06*v - x - {force}\"\n[section.s]\n\
+         surface = \"sin(w*t)\"\ndirection = \"rising\"\n[initial]\nx = 0\nv = 0\n"
+    );
+    with(&text, &[("w", w)])
+}
+
+/// The frequency at which x + late v of the oscillator without its stop has the amplitude 0.2: (1 - w^2)^2 + (0.06 w)^2 is the square of 0.5/0.2 times
+/// 1 + (late w)^2.
+fn touched_at(late: f64) -> f64 {
+    let half = 0.5 * (2.0 - 0.06_f64.powi(2) + 6.25 * late.powi(2));
+    (half + (half * half - 1.0 + 6.25).sqrt()).sqrt()
+}
+
 /// A soft stop that does not pull lets go before the mass has left it: within the stay beyond its surface is a corner that nothing asks for elsewhere. It is touched
 /// where the amplitude without it is its place, whichever way, and from all starts.
 #[test]
 fn a_stay_with_a_corner_that_is_there_alone_comes_and_goes() {
-    let text = "[parameters]\nw = 1.8\n[flight]\nx = \"v\"\n\
-        v = \"0.5*cos(w*t) - 0.06*v - x - if(x > 0.2, max(15*(x - 0.2) + 2*v, 0), 0)\"\n[section.s]\nsurface = \"sin(w*t)\"\n\
-        direction = \"rising\"\n[initial]\nx = 0\nv = 0\n";
-    // (1 - w^2)^2 + (0.06 w)^2 is the square of 0.5/0.2.
-    let half = 0.5 * (2.0 - 0.06_f64.powi(2));
-    let exact = (half + (half * half - 1.0 + 6.25).sqrt()).sqrt();
+    let exact = touched_at(0.0);
     for (start, step) in [
         ("1.8", 0.1),
         ("1.75", 0.03),
@@ -64,7 +75,8 @@ fn a_stay_with_a_corner_that_is_there_alone_comes_and_goes() {
         ("1.83", 0.3),
         ("1.95", 0.1),
     ] {
-        let found = over(&with(text, &[("w", start)]), "w", (1.7, 2.0), (4, step));
+        let model = stop("if(x > 0.2, max(15*(x - 0.2) + 2*v, 0), 0)", start);
+        let found = over(&model, "w", (1.7, 2.0), (4, step));
         let branch = &found[0];
         assert_eq!(branch.ends, [End::Range, End::Range], "{start} {step}");
         let [touch] = &branch.special[..] else {
@@ -83,16 +95,10 @@ fn a_stay_with_a_corner_that_is_there_alone_comes_and_goes() {
 /// corner itself is touched where its own amplitude is its place.
 #[test]
 fn a_stay_comes_and_goes_at_the_corner_of_what_does_not_pull() {
-    let text = "[parameters]\nw = 1.8\n[flight]\nx = \"v\"\n\
-        v = \"0.5*cos(w*t) - 0.06*v - x - max(15*(x - 0.2) + 2*v, 0)*step(x - 0.2)\"\n[section.s]\nsurface = \"sin(w*t)\"\n\
-        direction = \"rising\"\n[initial]\nx = 0\nv = 0\n";
-    // (1 - w^2)^2 + (0.06 w)^2 is the square of 0.5/0.2, for the corner times 1 + (2 w/15)^2.
-    let exact = [0.0, (2.0_f64 / 15.0).powi(2)].map(|part| {
-        let half = 0.5 * (2.0 - 0.06_f64.powi(2) + 6.25 * part);
-        (half + (half * half - 1.0 + 6.25).sqrt()).sqrt()
-    });
+    let exact = [0.0, 2.0 / 15.0].map(touched_at);
     for (start, step) in [("1.8", 0.1), ("1.75", 0.2), ("1.79", 0.07), ("1.95", 0.1)] {
-        let found = over(&with(text, &[("w", start)]), "w", (1.7, 2.0), (4, step));
+        let model = stop("max(15*(x - 0.2) + 2*v, 0)*step(x - 0.2)", start);
+        let found = over(&model, "w", (1.7, 2.0), (4, step));
         let branch = &found[0];
         assert_eq!(branch.ends, [End::Range, End::Range], "{start} {step}");
         let touches: Vec<f64> = branch.special.iter().map(value).collect();

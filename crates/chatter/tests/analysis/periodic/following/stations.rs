@@ -1,9 +1,10 @@
 //! What is told of each station of a branch is that orbit's, and no other's.
 
+use crate::periodic::plane::curve_within;
 use crate::periodic::{model, nearest, orbits_from, over, value, with};
 use chatter::analysis::periodic::{
     Beside, Branch, BranchSpec, End, Known, Limits, Point, Spec, Special, SpecialKind, branches,
-    settled, special_curve,
+    settled,
 };
 use chatter::model::Model;
 use chatter::numerics::{Complex, Real};
@@ -225,7 +226,7 @@ fn events_count_as_returns_of_maps() {
 /// Towards a touch the equations become singular by rounding: no row of a curve of doublings is told from there.
 #[test]
 fn a_curve_of_doublings_has_none_without() {
-    let blocks = with(BLOCKS, &[("w", "0.9234838203762812")]);
+    let blocks = with(BLOCKS, &[]);
     let known = Known {
         kind: SpecialKind::PeriodDoubling,
         monitor: None,
@@ -245,16 +246,8 @@ fn a_curve_of_doublings_has_none_without() {
         points: 2000,
         longest_step: 0.05,
     };
-    let free = ["w", "A"].map(|name| blocks.parameter_index(name).unwrap());
-    let curve = special_curve(
-        &blocks,
-        &Spec::default(),
-        (free, &known),
-        &limits,
-        Vec::new(),
-        &mut |_| ControlFlow::Continue(()),
-    )
-    .unwrap();
+    let told = (&known, 0.923_483_820_376_281_2);
+    let curve = curve_within(&blocks, ["w", "A"], told, &limits).unwrap();
     assert!(curve.points.len() > 20, "{}", curve.points.len());
     for point in &curve.points {
         let off = |m: &Complex| (m.re + 1.0).hypot(m.im);
@@ -286,10 +279,7 @@ fn a_curve_of_doublings_has_none_without() {
 #[test]
 #[ignore = "takes half a minute"]
 fn generalised_doublings_depend_on_no_step() {
-    let blocks = with(
-        BLOCKS,
-        &[("w", "0.8699878626506353"), ("A", "0.4678169389908977")],
-    );
+    let blocks = with(BLOCKS, &[("A", "0.4678169389908977")]);
     let known = Known {
         kind: SpecialKind::PeriodDoubling,
         monitor: None,
@@ -310,16 +300,8 @@ fn generalised_doublings_depend_on_no_step() {
             points: 2000,
             longest_step,
         };
-        let free = ["w", "A"].map(|name| blocks.parameter_index(name).unwrap());
-        let curve = special_curve(
-            &blocks,
-            &Spec::default(),
-            (free, &known),
-            &limits,
-            Vec::new(),
-            &mut |_| ControlFlow::Continue(()),
-        )
-        .unwrap();
+        let told = (&known, 0.869_987_862_650_635_3);
+        let curve = curve_within(&blocks, ["w", "A"], told, &limits).unwrap();
         let special = curve.special.iter();
         let sides = special.filter(|s| s.kind == SpecialKind::GeneralisedDoubling);
         let mut found: Vec<f64> = sides.map(|special| special.point.parameter()).collect();

@@ -679,10 +679,8 @@ impl Walker {
         let [.., first, latest] = &self.special[..] else {
             return None;
         };
-        let value = |special: &Special| special.point.parameter().to_bits();
         let is_one = latest.kind.is_graze()
-            && first.kind == latest.kind
-            && value(first) == value(latest)
+            && first.told_as() == latest.told_as()
             && first.persists == latest.persists;
         first.persists.filter(|_| is_one)
     }
