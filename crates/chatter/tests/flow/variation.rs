@@ -130,6 +130,24 @@ fn columns_follow_complete_chatter_sticking_and_release() {
     }
 }
 
+/// A hammer whose guide rubs, and what it leads: flights of its chatter fall with less acceleration than they rise, by a ratio that all states and
+/// parameters have a part in.
+#[test]
+fn columns_follow_chatter_against_friction_along_the_gap() {
+    let hammer = read(
+        "[parameters]\nP = 0.52\nf = 0.15\nr = 0.6\n[flight]\ny = \"v\"\nv = \"cos(t) - P - 0.5*y - 0.3*z - f*(1 + z)*sign(v)\"\n\
+         z = \"y - 0.2*z + 0.1*sin(t)\"\n[[contact]]\nname = \"anvil\"\ngap = \"y\"\nimpulse = { v = 1 }\n\
+         restitution = \"r + 0.1*z\"\n[initial]\ny = 0.2\nv = 0\nz = 0.1\n",
+    );
+    let until = [4.0, 7.0];
+    let all = until.map(|until| check(&hammer, &[0.2, 0.05, 0.1, 0.0], until, 1e-10));
+    let counts = |kinds: &[&str]| {
+        ["accumulation", "corner", "release"]
+            .map(|kind| kinds.iter().filter(|k| **k == kind).count())
+    };
+    assert_eq!(all.map(|kinds| counts(&kinds)), [[1, 34, 0], [1, 34, 1]]);
+}
+
 /// A block on a floor with friction: in impacts sliding goes on, or stops.
 const SLED: &str = r#"
 title = "Block that is thrown off a floor"

@@ -22,24 +22,32 @@ pub(crate) struct SequenceExprs {
     slopes: Vec<Expr>,
     /// The model's field; empty without columns.
     field: Vec<Expr>,
+    /// The free acceleration of the gap, and per column its derivative, likewise.
+    acceleration: Vec<Expr>,
 }
 
 impl SequenceExprs {
-    /// Without columns; `rest` is the state with the contact's rate taken away.
-    pub(crate) fn new(graph: &mut Graph, contact: &ContactMechanics, rest: &[Expr]) -> Self {
+    /// Without columns, in flight along a field; `rest` is the state with the contact's rate taken away.
+    pub(crate) fn new(
+        graph: &mut Graph,
+        contact: &ContactMechanics,
+        (field, rest): (&[Expr], &[Expr]),
+    ) -> Self {
         let restitution = graph.substitute(contact.restitution, &|symbol| match symbol {
             Symbol::State(i) => rest.get(i).copied(),
             Symbol::Parameter(_) => None,
         });
+        let rate = graph.lie_derivative(contact.gap, field);
         Self {
             restitution,
             events: Vec::new(),
             slopes: Vec::new(),
             field: Vec::new(),
+            acceleration: vec![graph.lie_derivative(rate, field)],
         }
     }
 
-    /// Adds the columns, in flight along a field.
+    /// Adds the columns, along the same field.
     pub(crate) fn extend(
         &mut self,
         graph: &mut Graph,
@@ -61,8 +69,10 @@ impl SequenceExprs {
                 let moved = graph.mul(slope, late);
                 self.events.push(graph.add(component, moved));
             }
-            let slope = direction.along(graph, field.len(), &[self.restitution])[0];
-            self.slopes.push(slope);
+            let along = [self.restitution, self.acceleration[0]];
+            let slopes = direction.along(graph, field.len(), &along);
+            self.slopes.push(slopes[0]);
+            self.acceleration.push(slopes[1]);
         }
         self.field.extend_from_slice(field);
     }
@@ -75,6 +85,8 @@ pub(crate) struct SequenceTapes {
     events: Tape,
     /// At a limit: restitution, its derivatives, the field.
     limit: Tape,
+    /// There, too: the free acceleration of the gap and its derivatives.
+    pub(in crate::flow) acceleration: Tape,
 }
 
 /// Their constants at one parameter set.
@@ -82,6 +94,7 @@ pub(crate) struct SequenceTapes {
 pub(crate) struct SequenceConstants<R> {
     events: Vec<R>,
     limit: Vec<R>,
+    pub(in crate::flow) acceleration: Vec<R>,
 }
 
 impl<R> SequenceConstants<R> {
@@ -90,6 +103,7 @@ impl<R> SequenceConstants<R> {
         Self {
             events: Vec::new(),
             limit: Vec::new(),
+            acceleration: Vec::new(),
         }
     }
 }
@@ -97,7 +111,7 @@ impl<R> SequenceConstants<R> {
 impl<R> SequenceConstants<R> {
     /// Of each tape, in the order of [`SequenceTapes::tapes`].
     pub(crate) fn of_tapes(&mut self) -> impl Iterator<Item = &mut Vec<R>> {
-        [&mut self.events, &mut self.limit].into_iter()
+        [&mut self.events, &mut self.limit, &mut self.acceleration].into_iter()
     }
 }
 
@@ -109,6 +123,7 @@ impl SequenceTapes {
         Self {
             events: Tape::new(graph, dimension, &[], &exprs.events),
             limit: Tape::new(graph, dimension, &[], &limit),
+            acceleration: Tape::new(graph, dimension, &[], &exprs.acceleration),
         }
     }
 
@@ -120,6 +135,7 @@ impl SequenceTapes {
         SequenceConstants {
             events: self.events.constants(graph, parameters),
             limit: self.limit.constants(graph, parameters),
+            acceleration: self.acceleration.constants(graph, parameters),
         }
     }
 
@@ -146,7 +162,7 @@ impl SequenceTapes {
     }
 
     pub(crate) fn tapes(&self) -> impl Iterator<Item = &Tape> {
-        [&self.events, &self.limit].into_iter()
+        [&self.events, &self.limit, &self.acceleration].into_iter()
     }
 }
 
@@ -161,7 +177,7 @@ pub(crate) struct SequenceMap<'a, R: Real> {
     pub(crate) turn: Option<Turn<'a, R>>,
 }
 
-/// Gap, rate, acceleration and jerk in the rise and in the fall of each flight: tapes with their constants.
+/// The free acceleration of the gap in the rise and in the fall of each flight, with its derivatives: tapes with their constants.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Turn<'a, R> {
     pub rise: (&'a Tape, &'a [R]),
@@ -213,13 +229,20 @@ impl<R: Real> SequenceMap<'_, R> {
         let columns = self.columns();
         let of_impacts = values[0];
         if let Some(turn) = self.turn {
-            let mut acceleration = |(tape, constants): (&Tape, &[R])| {
-                let mut local = vec![R::ZERO; tape.outputs.len()];
-                self.work
-                    .values_at(tape, constants, (point, low), &mut local);
-                local[2]
+            let mut accelerations = |(tape, constants): (&Tape, &[R])| {
+                let mut all = vec![R::ZERO; tape.outputs.len()];
+                (self.work).values_at(tape, constants, (point, low), &mut all);
+                all
             };
-            values[0] *= (acceleration(turn.fall) / acceleration(turn.rise)).sqrt();
+            let (fall, rise) = (accelerations(turn.fall), accelerations(turn.rise));
+            // r sqrt(b / a), and by the logarithm its derivatives.
+            let ratio = (fall[0] / rise[0]).sqrt();
+            values[0] *= ratio;
+            let changes = fall[1..].iter().zip(&rise[1..]);
+            for (slope, (&falls, &rises)) in values[1..1 + columns].iter_mut().zip(changes) {
+                let change = (falls / fall[0] - rises / rise[0]) * R::splat(0.5);
+                *slope = (*slope).mul_add(ratio, of_impacts * ratio * change);
+            }
         }
         LimitPoint {
             of_impacts,

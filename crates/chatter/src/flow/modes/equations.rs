@@ -55,7 +55,7 @@ impl ModeExprs {
             })
             .collect();
         let sequences = (contacts.iter().zip(&rests))
-            .map(|(contact, rest)| SequenceExprs::new(graph, contact, rest))
+            .map(|(contact, rest)| SequenceExprs::new(graph, contact, (&held.field, rest)))
             .collect();
         Some(Self {
             sequences,

@@ -1,7 +1,6 @@
 //! Events that change the state, and impacts that take it across corners.
 
 use super::Trajectory;
-use super::impacts::tops::Tops;
 use super::recurrence::Latest;
 use super::start::is_inside;
 use crate::expressions::Surfaces;
@@ -367,14 +366,7 @@ impl<R: Real> Trajectory<R> {
             impact[3] = jerk.value;
             self.flight_time = flight_time(impact[1], impact[2], impact[3]);
         }
-        if changes {
-            if !self.note_top(fall) {
-                self.tracker.interrupt();
-            }
-            self.turn_impact(system, contact, &mut impact);
-        } else {
-            self.tops = Tops::NONE;
-        }
+        self.follow_tops(system, (contact, fall, changes), &mut impact[5]);
         let program = self.program(system)?;
         self.after_impact(system, work, program, (contact, &impact))
     }

@@ -299,21 +299,11 @@ pub(crate) fn read(
         // A chatter sequence begins with its first impact.
         let impacts = instant.accumulated().map_or(0, |count| count as usize);
         let accumulations = usize::from(instant.accumulated().is_some());
-        let mut begin = from;
-        let mut told = instant.told.clone();
-        for _ in 1..impacts {
-            match steps.pop() {
-                Some(step) if step.impact().is_some() && !step.is_at_once() => {
-                    told.splice(0..0, step.told);
-                    begin -= 1;
-                }
-                Some(step) => {
-                    steps.push(step);
-                    break;
-                }
-                None => break,
-            }
-        }
+        let is_top = |step: usize| instants[begins.get(step + 1).copied().unwrap_or(from)].is_top;
+        let first = first_of_chatter(&steps, is_top, impacts);
+        let begin = begins.get(first).copied().unwrap_or(from);
+        let told = steps.drain(first..).flat_map(|step| step.told);
+        let told = told.chain(instant.told.iter().copied()).collect();
         begins.truncate(steps.len());
         open = Some((begin, Way::Single(accumulations), told));
     }
@@ -346,6 +336,24 @@ pub(crate) fn read(
     }
     sort(system, &mut steps);
     Ok(steps)
+}
+
+/// The first of the steps of a chatter sequence of so many impacts that ends after them: it begins with the first of these, and tops of its flights are
+/// part of it.
+fn first_of_chatter(steps: &[Step], is_top: impl Fn(usize) -> bool, impacts: usize) -> usize {
+    let (mut first, mut flights) = (steps.len(), impacts.saturating_sub(1));
+    for (index, step) in steps.iter().enumerate().rev() {
+        if !is_top(index) {
+            if flights == 0 || step.impact().is_none() || step.is_at_once() {
+                break;
+            }
+            flights -= 1;
+        }
+        if index == 0 || !is_top(index - 1) {
+            first = index;
+        }
+    }
+    first
 }
 
 /// The end of a piece that always comes with a surface which is crossed at an instant, as of a ramp and a square wave of one clock: of the two it is the

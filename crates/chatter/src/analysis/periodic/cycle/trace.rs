@@ -26,6 +26,8 @@ pub(crate) struct Instant {
     pub is_caused: bool,
     /// The section that is crossed at the instant of another event.
     pub with_section: Option<usize>,
+    /// Whether a surface is crossed where a flight between impacts turns round.
+    pub is_top: bool,
 }
 
 impl Instant {
@@ -203,6 +205,7 @@ impl<'s> Tracer<'s> {
             in_one_mode: true,
             is_caused: false,
             with_section: None,
+            is_top: false,
         }
     }
 
@@ -316,6 +319,7 @@ impl<'s> Tracer<'s> {
                     is_caused: matches!(told, Some(Occurrence::Reset { .. }))
                         && self.trajectory.came_by_jump(),
                     with_section,
+                    is_top: self.trajectory.is_past_top(),
                 });
                 steps = 0;
                 self.steps.1 += STEPS_AN_EVENT;

@@ -12,7 +12,6 @@
 use super::burst::BURST;
 use super::cascade::Cascade;
 use super::orders::NoDerivative;
-use super::tops::Tops;
 use crate::expressions::Tape;
 use crate::flow::chatter::LocalPoint;
 use crate::flow::error::FlowError;
@@ -340,32 +339,36 @@ impl<R: Real> Trajectory<R> {
         }
         let lone = (collisions.lone()).filter(|_| separating == collisions.touching);
         self.rates_of_instant = collisions.greatest;
-        if let Some(contact) = lone.filter(|_| self.mode == collisions.mode) {
-            return self.after_lone_collision(system, work, (contact, collisions.latest));
+        if let Some(contact) = lone {
+            let before = (collisions.mode, collisions.latest);
+            return self.after_lone_collision(system, work, contact, before);
         }
         self.burst += collisions.count as usize;
         self.after_collisions(system, work, separating)
     }
 
-    /// One impact of one contact, which has changed no side: it goes on with a sequence like those that steps apply themselves.
+    /// One impact of one contact, from a mode and a rate: it goes on with a sequence like those that steps apply themselves.
     fn after_lone_collision(
         &mut self,
         system: &System,
         work: &mut Workspace<R>,
-        (contact, rate_before): (usize, R),
+        contact: usize,
+        (fall, rate_before): (usize, R),
     ) -> Result<(), FlowError> {
         let [_, rate, acceleration, jerk] = self.local(system, contact)?.map(|term| term.value);
         self.flight_time = flight_time(rate, acceleration, jerk);
-        self.tops = Tops::NONE;
         self.count_impact(contact, rate_before);
         let program = self.program(system)?;
         let at_rest = self.restitution_at_rest(work, program, contact);
+        let mut at_rest = at_rest.unwrap_or(R::ONE);
+        let crosses = self.mode != fall;
+        self.follow_tops(system, (contact, fall, crosses), &mut at_rest);
         let local = LocalPoint {
             rate,
             acceleration,
             jerk,
             restitution: -(rate / rate_before),
-            at_rest: at_rest.unwrap_or(R::ONE),
+            at_rest,
         };
         self.follow_sequence(system, work, program, (contact, local))
     }

@@ -6,7 +6,6 @@
 
 use crate::flow::chatter::Turn;
 use crate::flow::error::FlowError;
-use crate::flow::modes::at_contacts::IMPACT_SCALARS;
 use crate::flow::modes::closed::Closed;
 use crate::flow::modes::limits::Corner;
 use crate::flow::modes::program::ProgramConstants;
@@ -59,14 +58,14 @@ impl Tops {
         if known_at.get(rise) != known_at.get(fall) {
             return None;
         }
-        let local = |mode: usize| {
-            let program = system.program(mode)?;
-            let constants = constants.get(mode)?.as_ref()?;
-            Some((&program.locals[contact], &constants.locals[contact][..]))
+        let of = |mode: usize| {
+            let tapes = system.program(mode)?.sequences[contact].as_ref()?;
+            let constants = &constants.get(mode)?.as_ref()?.sequences[contact];
+            Some((&tapes.acceleration, &constants.acceleration[..]))
         };
         Some(Turn {
-            rise: local(rise)?,
-            fall: local(fall)?,
+            rise: of(rise)?,
+            fall: of(fall)?,
         })
     }
 }
@@ -90,11 +89,37 @@ impl<R: Real> Trajectory<R> {
         Ok(is_top)
     }
 
-    /// Takes note of an impact after a fall in this mode; whether the sequence goes on as before.
-    pub(in crate::flow::trajectory) fn note_top(&mut self, fall: usize) -> bool {
+    /// Whether nothing has happened since the latest impact but that a surface was crossed where the flight turned round.
+    pub(crate) fn is_past_top(&self) -> bool {
+        self.tops.crossed == 1 && !self.tops.is_interrupted
+    }
+
+    /// Takes note of an impact after a fall in this mode, which has predicted the next flight and may have taken the state across corners: in a
+    /// sequence with tops that is another flight, and so is the restitution of what is left of it.
+    pub(in crate::flow::trajectory) fn follow_tops(
+        &mut self,
+        system: &System,
+        (contact, fall, crosses): (usize, usize, bool),
+        at_rest: &mut R,
+    ) {
+        if !crosses {
+            self.tops = Tops::NONE;
+            return;
+        }
+        if !self.note_top(fall) {
+            self.tracker.interrupt();
+        }
+        if let Some((ratio, longer)) = self.fall_by_rise(system, contact) {
+            *at_rest *= ratio;
+            self.flight_time *= longer;
+        }
+    }
+
+    /// Whether the sequence goes on as before.
+    fn note_top(&mut self, fall: usize) -> bool {
         let modes = Some((self.mode, fall));
         let tops = self.tops;
-        let same = tops.modes == modes && tops.crossed == 1 && !tops.is_interrupted;
+        let same = tops.modes == modes && self.is_past_top();
         self.tops = Tops {
             modes,
             crossed: 0,
@@ -106,26 +131,13 @@ impl<R: Real> Trajectory<R> {
 
     /// By how much the restitution of the sequence is changed by its tops, and how much longer its flights take than if their
     /// whole way were the rise: at the present state.
-    pub(super) fn fall_by_rise(&self, system: &System, contact: usize) -> Option<(R, R)> {
+    fn fall_by_rise(&self, system: &System, contact: usize) -> Option<(R, R)> {
         let turn = (self.tops).tapes(system, (&self.constants, &self.known_at), contact)?;
         let start = (&self.state[..], &self.low[..]);
-        let acceleration = |(tape, constants)| with_terms(tape, constants, start)[2].value;
+        let acceleration = |(tape, constants)| with_terms(tape, constants, start)[0].value;
         let (up, down) = (acceleration(turn.rise), acceleration(turn.fall));
         let ratio = (down / up).sqrt();
         let falls = up < R::ZERO && down < R::ZERO && ratio.is_finite();
         falls.then(|| (ratio, (R::ONE + R::ONE / ratio) * R::splat(0.5)))
-    }
-
-    /// Puts the numbers of an impact right for a sequence with tops.
-    pub(in crate::flow::trajectory) fn turn_impact(
-        &mut self,
-        system: &System,
-        contact: usize,
-        impact: &mut [R; IMPACT_SCALARS],
-    ) {
-        if let Some((ratio, longer)) = self.fall_by_rise(system, contact) {
-            impact[5] *= ratio;
-            self.flight_time *= longer;
-        }
     }
 }
