@@ -8,7 +8,7 @@ use super::shooting::{INCOMPLETE, Shooting, Workshop};
 use crate::analysis::continuation::{NewtonError, Problem};
 use crate::analysis::universal::{ChatterMap, Constants};
 use crate::flow::leg::{Jump, Least};
-use crate::flow::{Closed, GuardKind};
+use crate::flow::{Closed, GuardKind, Occurrence};
 use core::ops::ControlFlow;
 
 /// How near an orbit is to losing its sequence of events.
@@ -37,7 +37,8 @@ pub enum MarginKind {
     LeastValue,
     /// The least jerk at a release.
     ReleaseJerk,
-    /// The coordinate X of a chatter border, negative where chatter is complete.
+    /// The coordinate X of a chatter border, negative where chatter is complete; where friction makes flights fall more slowly than they rise,
+    /// minus the ratio of both accelerations at its end.
     Border,
 }
 
@@ -185,29 +186,80 @@ fn borders(shooting: &Shooting<f64>, at: &[f64]) -> Vec<Margin> {
     let Some(instants) = followed(shooting, at, &parameters) else {
         return Vec::new();
     };
+    let period = shooting.period();
     let margin = |contact: usize| {
-        let local = sequence(
-            workshop,
-            &parameters,
-            &instants,
-            (contact, shooting.period()),
-        )?;
+        let told = |time: f64, value: f64| {
+            let time = time - instants[0].time;
+            value.is_finite().then_some(Margin {
+                kind: MarginKind::Border,
+                guard: GuardKind::Gap(contact),
+                time: time - period * (time / period).floor(),
+                value,
+            })
+        };
+        if let Some((time, fall)) = fall_at_end(workshop, &parameters, &instants, contact) {
+            return told(time, -fall);
+        }
+        let local = sequence(workshop, &parameters, &instants, (contact, period))?;
         let constants = Constants::new(local.last()?.restitution).ok()?;
         let fixed = constants.chatter_fixed_point;
         // The later, the less is left of nu, which the linearising function takes for nothing.
         let last = (local.iter()).rfind(|local| (LEAST * fixed..LARGEST).contains(&local.u))?;
         let value =
             linearised(&constants, last.u) * libm::exp(constants.ln_eta * last.place as f64);
-        let period = shooting.period();
-        let time = last.time - instants[0].time;
-        value.is_finite().then_some(Margin {
-            kind: MarginKind::Border,
-            guard: GuardKind::Gap(contact),
-            time: time - period * (time / period).floor(),
-            value,
-        })
+        told(last.time, value)
     };
     contacts.filter_map(margin).collect()
+}
+
+/// Accelerations of rise and fall that differ by less than this part are one.
+const ALIKE: f64 = 1e-6;
+
+/// When chatter of a contact ends whose flights fall with another acceleration than they rise, as friction along the gap makes them, and the one in
+/// parts of the other there. If it is nothing flights come back no more: what is left of the sequence is held in the air.
+fn fall_at_end(
+    workshop: &Workshop,
+    parameters: &[f64],
+    instants: &[Instant],
+    contact: usize,
+) -> Option<(f64, f64)> {
+    let rate = |instant: &Instant| (instant.impact()).filter(|(hit, _)| *hit == contact);
+    let ends = instants.iter().enumerate().filter(|(_, end)| {
+        end.told.iter().any(|told| match *told {
+            Occurrence::Accumulation { contact: of, .. } => of == contact,
+            Occurrence::Slide { .. } => true,
+            _ => false,
+        })
+    });
+    let falls = ends.filter_map(|(place, end)| {
+        let impacts = instants[..place].iter().enumerate().rev();
+        let mut impacts = impacts.filter_map(|(at, instant)| Some((at, rate(instant)?.1)));
+        let latest: [(usize, f64); LEAST_IMPACTS] =
+            core::array::from_fn(|_| impacts.next()).map(|impact| impact.unwrap_or((0, f64::NAN)));
+        let (last, before) = (latest[0].0, latest[1].0);
+        let slows = latest
+            .windows(2)
+            .all(|pair| pair[0].1.abs() < pair[1].1.abs());
+        let flies = (instants[last..place].iter()).all(|instant| instant.closed == Closed::NONE);
+        if !(slows && flies) {
+            return None;
+        }
+        let [before, last] = [before, last].map(|at| &instants[at]);
+        let modes = |impact: &Instant| (impact.mode, impact.mode_after);
+        let (fall, rise) = modes(last);
+        if fall == rise || modes(before) != modes(last) {
+            return None;
+        }
+        let known = workshop.system.with_pieces(parameters, &last.pieces);
+        let moves = |mode: usize| {
+            workshop
+                .system
+                .gap_moves((mode, contact), &known, &end.state)
+        };
+        let ratio = moves(fall)?[0] / moves(rise)?[0];
+        ((ratio - 1.0).abs() > ALIKE).then_some((end.time, ratio))
+    });
+    falls.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// Nearer to a border than this, in parts of the period from the end of chatter to release, or of X, an orbit is at it.

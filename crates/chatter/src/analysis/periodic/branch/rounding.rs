@@ -2,6 +2,7 @@
 
 use super::Point;
 use super::changes::graze::{SMALL_HEIGHT, is_told};
+use super::changes::touch::VANISHED;
 use super::walker::Walker;
 use crate::analysis::continuation::Station;
 use crate::analysis::periodic::multipliers::farthest;
@@ -30,7 +31,7 @@ impl Shooting<f64> {
     }
 
     /// Whether a flight from one impact of a contact to the next is hardly higher than rounding of the gap.
-    fn has_low_flight(&self, at: &[f64]) -> bool {
+    pub(super) fn has_low_flight(&self, at: &[f64]) -> bool {
         let short = SHORT * self.period();
         (self.steps.iter().zip(&self.latest).enumerate()).any(|(index, (step, landing))| {
             let before = self.steps[self.before(index)].impact();
@@ -41,6 +42,22 @@ impl Shooting<f64> {
             before == Some(contact)
                 && step.has_own_time()
                 && !is_told(height, self.gap_rate(at, (index, contact)).1, SMALL_HEIGHT)
+        })
+    }
+}
+
+impl Shooting<f64> {
+    /// Whether a flight from one impact of a contact to the next, be it across the surface that its rate turns with, as that of friction, takes no time:
+    /// what comes in after it as a stay would be over as it begins.
+    pub(super) fn has_brief_flight(&self) -> bool {
+        (0..self.steps.len()).any(|end| {
+            let before = self.before(end);
+            let begin = if self.turns(before) { before } else { end };
+            let contact = self.steps[end].impact();
+            let follows = contact.is_some() && self.steps[self.before(begin)].impact() == contact;
+            let of = |index: usize| self.latest.get(index).map_or(0.0, |l| l.duration);
+            let whole = of(end) + if begin == end { 0.0 } else { of(begin) };
+            follows && self.steps[end].has_own_time() && whole < VANISHED * self.period()
         })
     }
 }

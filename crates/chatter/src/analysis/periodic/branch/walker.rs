@@ -396,7 +396,12 @@ impl Walker {
             End::Lost(_) if self.has_shrunk(&curve.station) => self.shrunk(&curve.station),
             End::Lost(_) => (self.shrinks_to(&curve.station))
                 .map(End::Shrunk)
-                .or_else(|| accumulates(&self.special).map(End::Rounding))
+                .or_else(|| {
+                    self.settle(&curve.station);
+                    let are_low = self.shooting.has_brief_flight()
+                        || self.shooting.has_low_flight(&curve.station.at);
+                    accumulates(&self.special, are_low).map(End::Rounding)
+                })
                 .unwrap_or(end),
             end => end,
         };

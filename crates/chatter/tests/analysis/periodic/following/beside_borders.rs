@@ -1,7 +1,7 @@
-//! Orbits with many impacts next to a chatter border.
+//! Orbits with many impacts next to a chatter border, and those borders.
 
-use crate::periodic::{over, with};
-use chatter::analysis::periodic::SpecialKind;
+use crate::periodic::{over, value, with};
+use chatter::analysis::periodic::{End, Special, SpecialKind};
 
 /// A ball on a shaken table, whose flights next to its border are hardly higher than rounding of where it is. The product of both multipliers is 0.3^2 for
 /// each impact; in doubles it came out as 3000 times that, and -1 as -1.0001.
@@ -21,4 +21,40 @@ fn multipliers_are_known_though_flights_are_hardly_higher_than_rounding() {
     assert!((through.re + 1.0).abs() < 1e-6, "{through:?}");
     let product = 0.09_f64.powi(23);
     assert!((other.re / product + 1.0).abs() < 1e-3, "{other:?}");
+}
+
+/// A hammer whose guide rubs falls with less acceleration than it rises. Its chatter is complete until nothing is left of that acceleration where it ends: beyond,
+/// friction holds the hammer in the air, after as many impacts as have come before. The border and the grazes of its arcs are those of closed flights
+/// with 40 digits.
+#[test]
+fn chatter_ends_where_friction_holds_what_is_left_of_it_in_the_air() {
+    let text = "[parameters]\nP = 0.45\n[flight]\ny = \"v\"\nv = \"cos(t) - P - 0.5*y - 0.15*sign(v)\"\n[[contact]]\nname = \"anvil\"\n\
+        gap = \"y\"\nimpulse = { v = 1 }\nrestitution = 0.6\n[section.s]\nsurface = \"sin(t)\"\ndirection = \"rising\"\n\
+        [initial]\ny = 0.2\nv = 0\n";
+    // What lies beyond would be out of range.
+    let model = with(text, &[("P", "0.4477")]);
+    let found = over(&model, "P", (0.447_658_32, 0.448), (80, 0.2));
+    let [complete] = &found[..] else {
+        panic!("{} branches", found.len());
+    };
+    assert_eq!(complete.ends, [End::ChatterBorder, End::Range]);
+    let [border] = &complete.special[..] else {
+        panic!("{:?}", complete.special);
+    };
+    let off = (value(border) - 0.447_658_328_123_303_66).abs();
+    assert!(off <= border.error && border.error < 1e-8, "{border:?}");
+    // Orbits of many impacts come to where these accumulate, and end as flights beyond take no time.
+    let model = with(text, &[("P", "0.4475")]);
+    let found = over(&model, "P", (0.4474, 0.447_658_328), (80, 0.2));
+    let arcs = &found[0];
+    assert!(
+        matches!(arcs.ends, [End::Range, End::Rounding(12..) | End::Range]),
+        "{:?}",
+        arcs.ends
+    );
+    let is_it = |s: &&Special| s.kind.is_graze() && s.point.impacts == Some(9);
+    let graze = arcs.special.iter().find(is_it);
+    let graze = graze.expect("a graze of orbits with nine impacts");
+    assert!((value(graze) - 0.447_652_766_278_69).abs() < 1e-13);
+    assert_eq!(graze.persists, Some(true));
 }

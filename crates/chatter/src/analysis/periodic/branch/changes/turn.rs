@@ -156,7 +156,7 @@ impl Shooting<f64> {
     }
 
     /// Whether the surface at whose crossing a step ends is one that this contact's rate may turn with.
-    pub(super) fn turns(&self, index: usize) -> bool {
+    pub(in crate::analysis::periodic::branch) fn turns(&self, index: usize) -> bool {
         turn(&self.steps[index]).is_some()
     }
 

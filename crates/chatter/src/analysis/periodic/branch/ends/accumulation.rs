@@ -9,8 +9,11 @@ const LATEST: usize = 3;
 pub(in crate::analysis::periodic) const ACCUMULATES: u64 = 4;
 
 /// The impacts beyond the latest graze, if those before it come with one impact more each, and the latest two are no farther apart than their parameters
-/// are known: with one impact more nothing would be told from them.
-pub(in crate::analysis::periodic::branch) fn accumulates(special: &[Special]) -> Option<u64> {
+/// are known, or flights are as low as rounding of the gap, or as short as stays that are over: with one impact more nothing would be told from them.
+pub(in crate::analysis::periodic::branch) fn accumulates(
+    special: &[Special],
+    are_low: bool,
+) -> Option<u64> {
     let grazes = special
         .iter()
         .rev()
@@ -25,7 +28,7 @@ pub(in crate::analysis::periodic::branch) fn accumulates(special: &[Special]) ->
     };
     let apart = (last.point.parameter() - before.point.parameter()).abs();
     let come_one_by_one = fewest >= ACCUMULATES && more == fewest + 1 && most == more + 1;
-    (come_one_by_one && apart <= last.error + before.error).then_some(most + 1)
+    (come_one_by_one && (are_low || apart <= last.error + before.error)).then_some(most + 1)
 }
 
 #[cfg(test)]
@@ -52,7 +55,7 @@ mod tests {
                 seed: None,
             }
         });
-        accumulates(&special.collect::<Vec<Special>>())
+        accumulates(&special.collect::<Vec<Special>>(), false)
     }
 
     /// Those of a relay beside the border at 1.4591847658724768, which come nearer to it by 0.4046 each.
