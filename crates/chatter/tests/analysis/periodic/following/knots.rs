@@ -1,7 +1,7 @@
-//! Knots of tables that complete chatter comes to.
+//! Knots of tables that orbits come to: as complete chatter ends, and as a stop is touched.
 
-use crate::periodic::{over, with};
-use chatter::analysis::periodic::End;
+use crate::periodic::{over, value, with};
+use chatter::analysis::periodic::{End, SpecialKind};
 
 /// A follower on a cam that is a spline through points every 40 degrees. Once a turn it chatters to rest: at 279.36 degrees for omega = 12.35 and at 280.43
 /// for 12.37, by an integration of its own. As that passes the knot at 280 degrees nothing happens to the orbit.
@@ -26,5 +26,29 @@ fn the_end_of_chatter_passes_a_knot() {
             .iter()
             .all(|p| p.impacts.is_none() && p.is_stable());
         assert!(rests, "{step}");
+    }
+}
+
+/// A soft stop under a force that is a table of the phase, each knot of which is another number in the next turn. It is touched where the amplitude of the
+/// oscillator is the distance, F = s |1 - w^2 + 2 i z w|, be that just before the end of a turn.
+#[test]
+fn a_stop_is_touched_in_a_turn_that_ends_in_other_pieces() {
+    let (w, z, s) = (0.65_f64, 0.06_f64, 0.6_f64);
+    let touch = s * (1.0 - w * w).hypot(2.0 * z * w);
+    for phase in ["0.4", "0.5", "0.6"] {
+        let text = format!(
+            "[parameters]\nF = 0.5\n[table.one]\nx = [0, 0.3, 0.8, 1]\ny = [1, 1, 1, 1]\nkind = \"periodic-cubic\"\n[flight]\nx = \"v\"\n\
+             v = \"F*one({w}*t/(2*pi))*cos({w}*t + {phase}) - {}*v - x - 3*max(x - {s}, 0)\"\n[section.s]\nsurface = \"sin({w}*t)\"\n\
+             direction = \"rising\"\n[initial]\nx = 0.1\nv = 0\n",
+            2.0 * z
+        );
+        let found = over(&with(&text, &[]), "F", (0.3, 0.5), (30, 0.1));
+        let branch = &found[0];
+        assert_eq!(branch.ends, [End::Range, End::Range], "{phase}");
+        let [only] = &branch.special[..] else {
+            panic!("{phase}: {:?}", branch.special);
+        };
+        assert_eq!(only.kind, SpecialKind::Touch);
+        assert!((value(only) - touch).abs() < 1e-14, "{phase}: {only:?}");
     }
 }

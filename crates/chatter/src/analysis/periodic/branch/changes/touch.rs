@@ -73,10 +73,12 @@ impl Shooting<f64> {
         let is_leg =
             |step: &Step| matches!(step.passage, Passage::Leg(kind) if kind.jump == Jump::None);
         let all = count > 1 && is_leg(step) && is_leg(next);
+        // Across the end of a cycle pieces are numbered a turn on.
+        let wraps = after <= index || self.after(after) <= after;
         let stay = self.latest.get(after);
         all && self.ends_stay(step, next.ends_at())
             && (last.mode() == step.mode() || self.turns_beyond(index))
-            && last.pieces == step.pieces
+            && (wraps || last.pieces == step.pieces)
             && stay.is_some_and(|stay| stay.duration < NO_TIME * self.period())
     }
 
