@@ -5,6 +5,7 @@ mod at_touches;
 mod border_collisions;
 mod corners_at_sections;
 mod edges;
+mod event_touches;
 mod impacts_at_corners;
 mod rough_walls;
 mod sticks;

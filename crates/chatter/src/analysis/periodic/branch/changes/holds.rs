@@ -467,8 +467,14 @@ pub(super) fn break_before(
 const TIE: f64 = 1e-6;
 
 /// Whether of what breaks at one place the one is an impact that loses its rate, and the other a flight that touches, or one that
-/// begins on the surface that the rate crosses at the impact.
+/// begins on the surface that the rate crosses at the impact; or the one is an event that is touched with a corner, which it takes the state from.
 fn loses(shooting: &Shooting<f64>, one: &Broken, other: &Broken) -> bool {
+    if let (Broken::Inner(step, GuardKind::Section(event)), Broken::Inner(with, corner)) =
+        (one, other)
+    {
+        let is_corner = matches!(corner, GuardKind::Switch(_));
+        return step == with && is_corner && shooting.workshop.system.is_event(*event);
+    }
     let impact = match *one {
         Broken::Event(impact) => impact,
         // Where drag turns with that rate its surface comes before the impact.
