@@ -1,5 +1,6 @@
 //! How near an orbit is to losing its sequence of events.
 
+use super::branch::legal;
 use super::cycle::itinerary::Step;
 use super::cycle::trace::{Instant, Tracer};
 use super::error::PeriodicError;
@@ -236,7 +237,7 @@ fn fall_at_end(
         let mut impacts = impacts.filter_map(|(at, instant)| Some((at, rate(instant)?.1)));
         let latest: [(usize, f64); LEAST_IMPACTS] =
             core::array::from_fn(|_| impacts.next()).map(|impact| impact.unwrap_or((0, f64::NAN)));
-        let (last, before) = (latest[0].0, latest[1].0);
+        let last = latest[0].0;
         let slows = latest
             .windows(2)
             .all(|pair| pair[0].1.abs() < pair[1].1.abs());
@@ -244,12 +245,13 @@ fn fall_at_end(
         if !(slows && flies) {
             return None;
         }
-        let [before, last] = [before, last].map(|at| &instants[at]);
-        let modes = |impact: &Instant| (impact.mode, impact.mode_after);
-        let (fall, rise) = modes(last);
-        if fall == rise || modes(before) != modes(last) {
-            return None;
-        }
+        // The top of the last flights may share the instant of the impact before.
+        let modes = |at: usize| (instants[at].mode, instants[at].mode_after);
+        let (fall, rise) = latest.windows(2).find_map(|pair| {
+            let both = [pair[0].0, pair[1].0].map(modes);
+            (both[0] == both[1] && both[0].0 != both[0].1).then_some(both[0])
+        })?;
+        let last = &instants[last];
         let known = workshop.system.with_pieces(parameters, &last.pieces);
         let moves = |mode: usize| {
             workshop
@@ -314,6 +316,8 @@ pub(super) fn border_coordinate(shooting: &Shooting<f64>, at: &[f64]) -> Option<
 fn followed(shooting: &Shooting<f64>, at: &[f64], parameters: &[f64]) -> Option<Vec<Instant>> {
     let workshop = &shooting.workshop;
     let start = cleaned(&told_start(shooting, at), &shooting.state_sizes());
+    // What has just been released may be rounding of its gap below it.
+    let start = legal(workshop, shooting.free(at), (Closed::NONE, &start))?;
     let tracer = Tracer::new(&workshop.system, parameters, &start, None);
     let mut tracer = tracer.ok()?;
     let mut instants = vec![tracer.start(&start)];
