@@ -224,7 +224,7 @@ fn fall_at_end(
     instants: &[Instant],
     contact: usize,
 ) -> Option<(f64, f64)> {
-    let rate = |instant: &Instant| (instant.impact()).filter(|(hit, _)| *hit == contact);
+    let hit = |instant: &Instant| (instant.impact()).filter(|(hit, _)| *hit == contact);
     let ends = instants.iter().enumerate().filter(|(_, end)| {
         end.told.iter().any(|told| match *told {
             Occurrence::Accumulation { contact: of, .. } => of == contact,
@@ -234,7 +234,7 @@ fn fall_at_end(
     });
     let falls = ends.filter_map(|(place, end)| {
         let impacts = instants[..place].iter().enumerate().rev();
-        let mut impacts = impacts.filter_map(|(at, instant)| Some((at, rate(instant)?.1)));
+        let mut impacts = impacts.filter_map(|(at, instant)| Some((at, hit(instant)?.1)));
         let latest: [(usize, f64); LEAST_IMPACTS] =
             core::array::from_fn(|_| impacts.next()).map(|impact| impact.unwrap_or((0, f64::NAN)));
         let last = latest[0].0;

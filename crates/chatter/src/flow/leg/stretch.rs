@@ -114,7 +114,7 @@ pub(crate) struct Follower<R: Real> {
 pub(crate) enum Astray {
     /// Something else ended it.
     Otherwise,
-    /// Its flights cross a surface: with derivatives such chatter is followed impact by impact, and so has no end.
+    /// It came to no end, and crossed a surface: chatter whose flights do so elsewhere than at their tops is followed impact by impact with derivatives.
     Crosses,
     /// It cannot be followed.
     Failed(FlowError),

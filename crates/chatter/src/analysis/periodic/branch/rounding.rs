@@ -44,9 +44,7 @@ impl Shooting<f64> {
                 && !is_told(height, self.gap_rate(at, (index, contact)).1, SMALL_HEIGHT)
         })
     }
-}
 
-impl Shooting<f64> {
     /// Whether a flight from one impact of a contact to the next, be it across the surface that its rate turns with, as that of friction, takes no time:
     /// what comes in after it as a stay would be over as it begins.
     pub(super) fn has_brief_flight(&self) -> bool {
