@@ -55,7 +55,8 @@ pub(crate) fn with_identity<R: Real>(state: &[R], columns: usize) -> Vec<R> {
 /// A displacement that shrinks by this part where something happened that [may forget](may_forget) it is nothing but rounding.
 pub(crate) const FORGOTTEN: f64 = 1e-11;
 
-/// Whether an event may take displacements that differ to ones that do not.
+/// Whether an event may take displacements that differ to ones that do not: also a surface that is crossed, where what was on its way stands still, as the
+/// current of a diode does.
 pub(crate) fn may_forget(model: &Model, told: &Occurrence<f64>) -> bool {
     match *told {
         Occurrence::Impact {
@@ -66,6 +67,7 @@ pub(crate) fn may_forget(model: &Model, told: &Occurrence<f64>) -> bool {
         | Occurrence::Capture { .. }
         | Occurrence::Slide { .. }
         | Occurrence::Stick { .. }
+        | Occurrence::Switch { .. }
         | Occurrence::Reset { .. } => true,
         _ => false,
     }

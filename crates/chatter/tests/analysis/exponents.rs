@@ -103,6 +103,17 @@ fn what_is_held_for_ever_is_forgotten() {
     agree(&of(sticks, TAU), &[0.0, -0.3, LOST, LOST, LOST], 1e-12);
 }
 
+/// What a surface leaves standing as it is crossed is forgotten, as the current of a chopper that comes to its end between two pulses; what a clock only lets
+/// shrink faster is not.
+#[test]
+fn what_stands_still_behind_a_surface_is_forgotten() {
+    let chopper = "[definitions]\ne = \"if(sin(t) > 0.2, 1, 0) - 0.4 - 0.3*i\"\n[flight]\ni = \"if(i > 0, e, max(e, 0))\"\n\
+                   z = \"i - 0.3*z\"\n[initial]\ni = 0.1\nz = 0\n";
+    agree(&of(chopper, TAU), &[-0.3, LOST], 1e-12);
+    let fast = "[flight]\nx = \"cos(t) - if(sin(t) > 0, 60, 20)*x\"\n[initial]\nx = 1\n";
+    agree(&of(fast, TAU), &[-40.0], 1e-9);
+}
+
 /// A ball with spin whose sliding an impact has stopped to a rounding error: the place, and what friction does not see of speed
 /// and spin, are kept.
 #[test]

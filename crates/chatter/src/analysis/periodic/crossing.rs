@@ -137,7 +137,8 @@ impl Shooting<f64> {
         let wait = part * turn.lap.as_ref()?.time;
         let mut steps = self.current_steps(at);
         steps[0].start = self.flown_on(at, wait)?;
-        from_first_turn(&mut steps, &turns, &self.counts);
+        let known = (&*self.workshop, &*parameters);
+        from_first_turn(known, &mut steps, &turns, &self.counts);
         self.like(steps, at).ok()
     }
 
@@ -320,7 +321,8 @@ impl Shooting<f64> {
             begin,
         )?;
         let turns = self.workshop.closure.turns(&parameters)?;
-        from_first_turn(&mut steps, &turns, &self.counts);
+        let known = (&*self.workshop, &*parameters);
+        from_first_turn(known, &mut steps, &turns, &self.counts);
         let (mut shooting, at) = self.like(steps, at)?;
         shooting.stands_for_section = stands_for_it;
         Ok(Some((shooting, at)))

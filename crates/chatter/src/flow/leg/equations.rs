@@ -145,9 +145,10 @@ impl System {
 
     /// The same where one of them may open or close contacts, too.
     pub(crate) fn swapped(&self, [before, between, after]: [usize; 3]) -> Option<usize> {
-        let (grip_before, mut sides, _) = self.origin_of(before)?;
-        let (grip_between, sides_between, _) = self.origin_of(between)?;
+        let (grip_before, mut sides, on_before) = self.origin_of(before)?;
+        let (grip_between, sides_between, on_between) = self.origin_of(between)?;
         let (grip_after, sides_after, _) = self.origin_of(after)?;
+        let known = (on_before.followed.surfaces).or(on_between.followed.surfaces);
         let grip = match (grip_before == grip_between, grip_between == grip_after) {
             (true, _) => grip_after,
             (false, true) => grip_before,
@@ -159,7 +160,8 @@ impl System {
             if changes && all.contains(&Side::Sliding) {
                 return None;
             }
-            if all[1] != all[2] {
+            // Sides that nothing asks for before the second event say nothing.
+            if all[1] != all[2] || !known.contains(surface) {
                 sides = sides.with(surface, all[2]);
             }
         }

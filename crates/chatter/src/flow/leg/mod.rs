@@ -78,6 +78,8 @@ pub(crate) struct Leg {
     watch: Watch,
     /// Guards that its event leaves as they are.
     keeps: Vec<GuardKind>,
+    /// Guards that its field leaves as they are.
+    still: Vec<GuardKind>,
     /// The field at a point.
     field: Tape,
     graph: Graph,
@@ -111,6 +113,11 @@ impl System {
         {
             keeps.push(guard);
         }
+        let zero = graph.number(0.0);
+        let still = (guards.iter())
+            .filter(|&&(_, of)| graph.lie_derivative(of, &field) == zero)
+            .map(|&(guard, _)| guard)
+            .collect();
         let map = onto_what_holds(graph, &held, &map, self.model().time);
         let columns = columns(coordinates, free);
         let section = section.filter(|&section| kind.ends_at != Some(GuardKind::Section(section)));
@@ -124,6 +131,7 @@ impl System {
             edge,
             watch,
             keeps,
+            still,
             field: Tape::new(graph, coordinates, &[], &field),
             graph: graph.clone(),
             time: self.model().time,
@@ -173,6 +181,16 @@ impl Leg {
     /// Whether its event leaves the function of a guard as it is, and so the state on its surface.
     pub(crate) fn keeps(&self, guard: GuardKind) -> bool {
         self.keeps.contains(&guard)
+    }
+
+    /// Whether there is a guard that its field leaves as it is.
+    pub(crate) fn stands_on_any(&self) -> bool {
+        !self.still.is_empty()
+    }
+
+    /// Whether a state on the surface of a guard stays on it all the way, be it held there or not.
+    pub(crate) fn stays_on(&self, guard: GuardKind) -> bool {
+        self.still.contains(&guard)
     }
 
     /// The field at a state.

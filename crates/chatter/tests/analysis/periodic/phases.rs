@@ -38,6 +38,39 @@ v = 0
     );
 }
 
+/// An oscillator that settles slowly within the middle piece of its spring's table, x = Re F e^(i w t) / (1 - w^2 + 0.1 i w): it is told from the first turn of
+/// its force, however late it has settled, and steps along the branch are not spent on when that was.
+#[test]
+fn an_orbit_beside_a_table_is_told_from_the_first_turn() {
+    const MEASURED: &str = r#"
+[parameters]
+w = 1.8
+[table.spring]
+x = [-3, -1, -0.5, 0.5, 1, 3]
+y = [-9, -1.5, -0.5, 0.5, 1.5, 9]
+kind = "linear"
+[flight]
+x = "v"
+v = "0.4*cos(w*t) - 0.1*v - spring(x)"
+[section.strobe]
+surface = "sin(w*t)"
+direction = "rising"
+[initial]
+x = 0.1
+v = 0
+"#;
+    let found = over(&with(MEASURED, &[]), "w", (1.7, 1.9), (8, 0.03)).swap_remove(0);
+    assert!(found.points.len() < 60, "{}", found.points.len());
+    for point in &found.points {
+        let w = point.parameter();
+        let (re, im) = (1.0 - w * w, 0.1 * w);
+        let size = 0.4 / (re * re + im * im);
+        let expected = [size * re, size * w * im, 0.0];
+        let off = point.state.iter().zip(expected).map(|(x, y)| (x - y).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-12, "{w}: {:?}", point.state);
+    }
+}
+
 #[test]
 fn time_in_a_step_of_a_saw_alone_is_a_phase() {
     const SWITCHED: &str = r#"

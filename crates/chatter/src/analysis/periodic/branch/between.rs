@@ -414,7 +414,7 @@ impl Walker {
         let value = from.parameter();
         let slopes = [from, to].map(|station| station.parameter_slope().abs());
         slopes.iter().all(|slope| *slope <= STANDS * scale)
-            && (to.parameter() - value).abs() <= roundoff(value.abs().max(scale))
+            && (to.parameter() - value).abs() <= roundoff(value.abs()).max(STANDS * scale)
     }
 
     /// Below this a function of the user's is not told from zero.

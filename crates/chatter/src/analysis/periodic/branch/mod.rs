@@ -113,8 +113,10 @@ pub(crate) fn follow(
     let mut sides = Vec::new();
     let (mut begin, at) = shooting.clone().without_section(at.to_vec());
     let last = at.len() - 1;
-    let station =
-        Station::near(&mut begin, &at, last).map_err(|error| PeriodicError::NoConvergence {
+    // Of orbits that all have one value of the parameter, as those that leave a linear oscillator where it doubles, none is told by it.
+    let station = Station::near(&mut begin, &at, last)
+        .or_else(|why| Station::beside(&mut begin, &at).map_err(|_| why))
+        .map_err(|error| PeriodicError::NoConvergence {
             how: error.to_string(),
         })?;
     begin

@@ -518,7 +518,7 @@ impl Walker {
         // A direction stands still where what has been gone, more than rounding of the value, does not.
         let slope = station.parameter_slope();
         known
-            .filter(|way| way.abs() > roundoff(value))
+            .filter(|way| way.abs() > roundoff(value).max(STANDS * scale))
             .or((slope.abs() > STANDS * scale).then_some(slope))
     }
 

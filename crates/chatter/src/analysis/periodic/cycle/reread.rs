@@ -117,7 +117,7 @@ fn from_to(
 ) -> Result<Cycle, PeriodicError> {
     let difference = workshop.closure.difference(turns, ends, &sizes);
     past_instant(workshop, parameters, (&mut steps, &difference.turns))?;
-    from_first_turn(&mut steps, turns, &difference.turns);
+    from_first_turn((workshop, parameters), &mut steps, turns, &difference.turns);
     Ok(Cycle {
         steps,
         counts: difference.turns,

@@ -1,7 +1,7 @@
 //! A cycle told from another of its steps on.
 
 use super::itinerary::{Passage, Step};
-use crate::analysis::periodic::closure::Closure;
+use crate::analysis::periodic::closure::{Closure, Turn};
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::{LONGEST, Workshop};
 use crate::analysis::return_map::translations::Translation;
@@ -87,22 +87,46 @@ pub(crate) fn a_turn_later(
         }
         later
     };
+    Ok(elsewhere((workshop, parameters), steps, [&later, &later]))
+}
+
+/// The cycle so many turns of each phase later, and in pieces of lookups that many further.
+pub(super) fn turned(
+    (workshop, parameters): (&Workshop, &[f64]),
+    turns: &[Turn<f64>],
+    (steps, counts): (&[Step], &[i64]),
+    by: &[i64],
+) -> Vec<Step> {
+    let later = |state: &[f64]| Closure::later(turns, counts, state);
+    let moved = |state: &[f64]| Closure::later(turns, by, state);
+    elsewhere((workshop, parameters), steps, [&later, &moved])
+}
+
+/// Where a state is led.
+type Leads<'a> = &'a dyn Fn(&[f64]) -> Vec<f64>;
+
+/// The cycle with its states elsewhere, as its forces are the same there: where a period leads from a state, and where a state is then.
+fn elsewhere(
+    (workshop, parameters): (&Workshop, &[f64]),
+    steps: &[Step],
+    [later, moved]: [Leads<'_>; 2],
+) -> Vec<Step> {
     let ends = (steps.iter().skip(1).map(|next| next.start.clone()))
         .chain(steps.first().map(|first| later(&first.start)));
     let moved = steps.iter().zip(ends).map(|(step, end)| {
         let between = step.start.iter().zip(&end);
         let state: Vec<f64> = between.map(|(a, b)| a + ON_THE_WAY * (b - a)).collect();
-        let way = (&*state, &*later(&state));
+        let way = (&*state, &*moved(&state));
         let pieces = step.pieces.iter().enumerate();
         Step {
-            start: later(&step.start),
+            start: moved(&step.start),
             pieces: pieces
                 .map(|known| further(workshop, parameters, known, way))
                 .collect(),
             ..step.clone()
         }
     });
-    Ok(moved.collect())
+    moved.collect()
 }
 
 /// The piece of a lookup in which a state is, when another is in this piece of it.

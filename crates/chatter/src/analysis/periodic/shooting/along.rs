@@ -7,10 +7,18 @@ use crate::analysis::periodic::cycle::trace::{Instant, Tracer};
 use crate::flow::leg::{Least, LegKind};
 use crate::flow::{Closed, GuardKind};
 use crate::model::Direction;
+use crate::numerics::Real;
 use core::ops::ControlFlow;
 
 /// A stretch that is traced once more ends within this part of its duration.
 const BEYOND_END: f64 = 1e-12;
+
+impl<R: Real> Shooting<R> {
+    /// Whether a state on the surface of a guard stays on it all along a step.
+    pub(crate) fn stands_on(&self, index: usize, guard: GuardKind) -> bool {
+        matches!(&self.flown[index], Flown::Leg(leg, _) if leg.stays_on(guard))
+    }
+}
 
 impl Shooting<f64> {
     /// The least values of all guards on the way of the orbit, and its crossings of the section, by step.
@@ -91,8 +99,13 @@ impl Shooting<f64> {
     }
 
     /// Guards that are zero by the equations where a step begins: gaps of contacts that were struck, held or just released, and surfaces
-    /// that it has just crossed, left, or had an event at.
+    /// that it has just crossed, left, or had an event at, or that a step before has crossed to stand still there.
     fn begins_on(&self, index: usize) -> Vec<GuardKind> {
+        self.begins_on_since(index, self.steps.len())
+    }
+
+    /// The same, as far as so many steps say.
+    fn begins_on_since(&self, index: usize, steps: usize) -> Vec<GuardKind> {
         let count = self.steps.len();
         let before = self.before(index);
         let on = lies_on(&self.workshop.system, &self.steps, before);
@@ -101,7 +114,15 @@ impl Shooting<f64> {
         // What came first at that instant, and then what its jump has brought about, which lies beyond its own surface.
         let others = (0..count - 1).take_while(|&back| self.step_back(before, back).1.is_at_once());
         let others = others.count();
-        let mut on: Vec<GuardKind> = Vec::new();
+        let (first, _) = self.step_back(before, others);
+        let mut on = match &self.flown[first] {
+            Flown::Leg(leg, _) if leg.stands_on_any() && steps > 0 => {
+                let mut on = self.begins_on_since(first, steps - 1);
+                on.retain(|&guard| leg.stays_on(guard));
+                on
+            }
+            _ => Vec::new(),
+        };
         for back in (0..=others).rev() {
             let (place, step) = self.step_back(before, back);
             let keeps = |guard: GuardKind| match &self.flown[place] {

@@ -21,6 +21,9 @@ use crate::numerics::{Real, dot};
 /// changes what the other does.
 const SMOOTH: f64 = 1e-6;
 
+/// Events share an instant if the time between them is no more than this part of the period.
+const ONE_INSTANT: f64 = 1e-10;
+
 /// The legs of two events that may change places, the first of them first, and those of the same as they are afterwards.
 struct Exchange {
     first: Step,
@@ -214,7 +217,11 @@ impl<R: Real> Shooting<R> {
     }
 
     /// Whether a mode has a guard to meet.
-    fn meets(&self, mode: usize, guard: Option<GuardKind>) -> bool {
+    pub(in crate::analysis::periodic) fn meets(
+        &self,
+        mode: usize,
+        guard: Option<GuardKind>,
+    ) -> bool {
         let origin = self.workshop.system.origin_of(mode);
         origin.is_some_and(|(.., on)| match guard {
             Some(GuardKind::Switch(surface)) => on.followed.surfaces.contains(surface),
@@ -290,6 +297,18 @@ impl Shooting<f64> {
         (0..self.steps.len()).find(|&index| {
             let duration = self.duration_place(index).map_or(0.0, |place| at[place]);
             duration < 0.0 && self.exchange(index).is_some()
+        })
+    }
+
+    /// The step whose event passes the one before at a station, but for rounding, on the way along the curve, and may.
+    pub(crate) fn passes_there(&self, station: &Station) -> Option<usize> {
+        let instant = ONE_INSTANT * self.period();
+        (0..self.steps.len()).find(|&index| {
+            self.duration_place(index).is_some_and(|place| {
+                station.at[place].abs() <= instant
+                    && station.tangent[place] < 0.0
+                    && self.exchange(index).is_some()
+            })
         })
     }
 

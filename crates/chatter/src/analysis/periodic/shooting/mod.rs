@@ -564,24 +564,20 @@ impl<R: Real> Shooting<R> {
                 let next = self.after(index);
                 let (step, after) = (&self.steps[index], &self.steps[next]);
                 let plain = |step: &Step| held(&system, step.mode()) == 0;
-                let goes_on = matches!(step.passage, Passage::Leg(kind) if kind.jump == Jump::None)
+                let is_plain = matches!(step.passage, Passage::Leg(kind) if kind.jump == Jump::None)
                     && matches!(after.passage, Passage::Leg(_))
                     && plain(step)
                     && plain(after);
                 let Flown::Leg(leg, flyer) = &self.flown[next] else {
                     return false;
                 };
-                if !goes_on {
+                if !is_plain {
                     return false;
                 }
                 let all = self.parameters_of(parameters, after);
                 let node = &at[self.places[next]..self.places[next] + sizes.len()];
                 let field = leg.field(&mut self.flyers[*flyer].1, &all, node);
-                let rates = field.iter().zip(&landings[index].image_rate);
-                rates.zip(&sizes).all(|((&after, &before), size)| {
-                    let jump = (after - before).abs().to_f64();
-                    jump <= SAME_FIELD * (size / period).max(before.abs().to_f64())
-                })
+                goes_on([&landings[index].image_rate, &field], &sizes, period)
             })
             .collect()
     }
@@ -611,4 +607,17 @@ impl Shooting<f64> {
         }
         Ok(fine)
     }
+}
+
+/// Whether a field goes on as it is, with what it is before and after, where states have these sizes in a period.
+pub(in crate::analysis::periodic) fn goes_on<R: Real>(
+    [before, after]: [&[R]; 2],
+    sizes: &[f64],
+    period: f64,
+) -> bool {
+    let mut rates = before.iter().zip(after).zip(sizes);
+    rates.all(|((&before, &after), size)| {
+        let jump = (after - before).abs().to_f64();
+        jump <= SAME_FIELD * (size / period).max(before.abs().to_f64())
+    })
 }

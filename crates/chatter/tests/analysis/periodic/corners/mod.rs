@@ -7,6 +7,7 @@ mod corners_at_sections;
 mod edges;
 mod event_touches;
 mod impacts_at_corners;
+mod one_way;
 mod rough_walls;
 mod sticks;
 mod surfaces;

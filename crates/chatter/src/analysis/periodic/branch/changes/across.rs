@@ -6,7 +6,7 @@ use crate::analysis::continuation::Problem;
 use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::analysis::periodic::error::PeriodicError;
-use crate::analysis::periodic::shooting::{Shooting, mode_there};
+use crate::analysis::periodic::shooting::{Shooting, goes_on, mode_there};
 use crate::expressions::{Asked, Side};
 use crate::flow::leg::{Jump, LegKind};
 use crate::flow::{GuardKind, Settings};
@@ -78,6 +78,32 @@ impl Shooting<f64> {
             }
             _ => Err(unfollowed("a touch of what has no sides")),
         }
+    }
+
+    /// Whether the field goes on as it is across a surface that is met with the corner which ends a step: which of both comes first, if both come, is nothing
+    /// that happens then.
+    pub(super) fn has_kink_at_end(&self, at: &[f64], (index, guard): (usize, GuardKind)) -> bool {
+        let step = &self.steps[index];
+        let (GuardKind::Switch(surface), Passage::Leg(kind)) = (guard, step.passage) else {
+            return false;
+        };
+        if kind.jump != Jump::None {
+            return false;
+        }
+        let (Ok(state), Some(beyond)) = (
+            self.before_event(at, index),
+            self.mode_beyond(step.mode(), surface),
+        ) else {
+            return false;
+        };
+        let parameters = self.workshop.parameters(self.free(at));
+        let all = self.parameters_of(&parameters, step);
+        let fields =
+            [step.mode(), beyond].map(|mode| self.workshop.system.field_of(mode, &all, &state));
+        let [Some(own), Some(other)] = fields else {
+            return false;
+        };
+        goes_on([&own, &other], &self.state_sizes(), self.period())
     }
 
     /// A guard of a step where a state is, and its rate there, each against what the sizes of states make of the guard, the rate in a period.

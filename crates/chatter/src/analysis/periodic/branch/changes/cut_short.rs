@@ -1,5 +1,6 @@
 //! A stick, a slide, or a way beyond a surface, that an impact or a reset cuts short, and that begins just there. On its other side the event comes first, and takes
-//! the state off before it sticks or crosses. The branch goes on without it to where that is the motion, on in the parameter or back, and from there the same
+//! the state off before it sticks or crosses. So it is with the tick of a clock that makes the field jump, and so lets go at once of what it held, as the
+//! next pulse does of a current that has come to its end. The branch goes on without it to where that is the motion, on in the parameter or back, and from there the same
 //! way in.
 
 use super::events::unfollowed;
@@ -20,7 +21,7 @@ const STANDS: f64 = 1e-9;
 
 impl<R: Real> Shooting<R> {
     /// The guard of the event before a step that slides along its surface since then, or goes on beyond it, where its own event is a jump and no end of
-    /// that.
+    /// that, or a corner after which the state is back where it came from.
     pub(in crate::analysis::periodic) fn cut_short(
         &self,
         index: usize,
@@ -30,11 +31,13 @@ impl<R: Real> Shooting<R> {
         let (Passage::Leg(meets), Passage::Leg(ends)) = (first.passage, step.passage) else {
             return None;
         };
-        let jumps = matches!(ends.jump, Jump::Impact(_) | Jump::Reset(_));
-        if !jumps || meets.jump != Jump::None || self.steps.len() < 2 {
+        if meets.jump != Jump::None || self.steps.len() < 2 {
             return None;
         }
         let guard = meets.ends_at?;
+        if !(jumps(ends) || self.is_let_go(index, guard)) {
+            return None;
+        }
         if let GuardKind::Switch(surface) = guard
             && self.slides_along(step, surface)
         {
@@ -44,6 +47,31 @@ impl<R: Real> Shooting<R> {
         let is_crossed = self.crossed(before) == Some(guard) && !self.slips_about(index);
         is_crossed.then_some((guard, Stay::Beyond))
     }
+
+    /// Whether a step stays on the surface of a guard to another corner, at which it goes on at once to the side that it has come from.
+    fn is_let_go(&self, index: usize, guard: GuardKind) -> bool {
+        let (before, after) = (self.before(index), self.after(index));
+        let [first, step, next] = [before, index, after].map(|k| &self.steps[k]);
+        let (GuardKind::Switch(surface), Passage::Leg(ends), Passage::Leg(_)) =
+            (guard, step.passage, next.passage)
+        else {
+            return false;
+        };
+        let is_corner = matches!(ends.ends_at, Some(GuardKind::Switch(other)) if other != surface);
+        let sides = [first, step, next].map(|step| {
+            let origin = self.workshop.system.origin_of(step.mode());
+            origin.map(|(_, sides, _)| sides.get(surface))
+        });
+        let is_back = sides[0] == sides[2] && sides[0] != sides[1];
+        let stays = sides[1] == Some(Side::Sliding) || self.stands_on(index, guard);
+        let meets = self.meets(first.mode(), ends.ends_at);
+        is_corner && is_back && stays && meets && ends.jump == Jump::None
+    }
+}
+
+/// Whether a leg ends with a jump.
+fn jumps(kind: LegKind) -> bool {
+    matches!(kind.jump, Jump::Impact(_) | Jump::Reset(_))
 }
 
 impl Shooting<f64> {
@@ -128,16 +156,25 @@ impl Shooting<f64> {
         !rooms.is_empty() && rooms.iter().all(is_there)
     }
 
-    /// Whether the jump at the end of a step takes the state off the surface that the step before has crossed.
-    fn leaves_surface(&self, at: &[f64], (index, guard): (usize, GuardKind)) -> bool {
-        (guard.opposite()).is_some_and(|inside| self.jumps_off(at, (index, inside), false))
+    /// Whether the jump at the end of a step takes the state off the surface that the step before has come to, or the field after the corner there leads
+    /// it off.
+    fn leaves_surface(&self, at: &[f64], (index, guard, stay): (usize, GuardKind, Stay)) -> bool {
+        match self.steps[index].passage {
+            Passage::Leg(kind) if !jumps(kind) => self.leads_away(at, (self.after(index), guard)),
+            _ if stay == Stay::On => true,
+            _ => {
+                (guard.opposite()).is_some_and(|inside| self.jumps_off(at, (index, inside), false))
+            }
+        }
     }
 
     /// Whether a step that comes in after another one stays on the surface where it begins, or goes on beyond it.
     fn stays(&self, at: &[f64], (index, guard, stay): (usize, GuardKind, Stay)) -> bool {
         match (stay, guard, guard.opposite()) {
             (Stay::On, GuardKind::Switch(surface), _) => self.stays_on(at, (index, surface)),
-            (Stay::Beyond, _, Some(inside)) => self.leads_away(at, (index, inside)),
+            (Stay::Beyond, _, Some(inside)) => {
+                self.stands_on(index, inside) || self.leads_away(at, (index, inside))
+            }
             _ => false,
         }
     }
@@ -156,7 +193,10 @@ impl Walker {
         let (guard, stay) = self.shooting.cut_short(index)?;
         let is_beyond = stay == Stay::Beyond;
         let before = self.shooting.before(index);
-        if is_beyond && !self.shooting.leaves_surface(&station.at, (index, guard)) {
+        if !self
+            .shooting
+            .leaves_surface(&station.at, (index, guard, stay))
+        {
             return None;
         }
         let is_told = !(is_beyond && self.shooting.is_smooth(before));
@@ -190,7 +230,7 @@ impl Walker {
             return None;
         }
         let is_beyond = stay == Stay::Beyond;
-        if is_beyond && !longer.leaves_surface(&next.at, (held, guard)) {
+        if !longer.leaves_surface(&next.at, (held, guard, stay)) {
             return None;
         }
         let is_told = !(is_beyond && longer.is_smooth(index));

@@ -359,21 +359,29 @@ impl Walker {
         let shows = |exchanged: &Exchanged| Shooting::order_shows(exchanged).unwrap_or(true);
         // Where friction begins or ceases to stop what slides at an impact other impacts do beside it, and nothing is told of any.
         let is_passed = self.shooting.is_knot(index) || self.shooting.slips_about(index);
-        let is_told = !is_passed && exchanged.as_ref().map_or(true, shows);
+        let is_told = match &exchanged {
+            _ if is_passed => false,
+            Ok(exchanged) => shows(exchanged),
+            // One that only a state before the other asks for, as the corner of a force that a clock switches on and off.
+            Err(_) => !self.shooting.is_smooth(self.shooting.before(index)),
+        };
         if is_told {
             self.note_exchange(&station, index, &there);
         }
-        let next = exchanged
+        let mut next = exchanged
             .map_err(|error| error.to_string())
-            .and_then(|mut exchanged| {
-                let direction = exchanged.direction(&station.tangent);
-                let guess = (&*exchanged.guess, &*direction);
-                let grows = exchanged.grows();
-                let next = station_after(&mut exchanged.shooting, guess, grows);
-                let next = next.map_err(|error| error.to_string())?;
-                self.shooting = exchanged.shooting;
-                Ok(next)
-            });
+            .and_then(|exchanged| self.begins_exchanged(exchanged, &station));
+        // Both halves of an orbit that is its own mirror image come to such a place at once.
+        for _ in 0..self.shooting.steps.len() {
+            let Some((station, index)) = (next.as_ref().ok())
+                .and_then(|next| Some((next.clone(), self.shooting.passes_there(next)?)))
+            else {
+                break;
+            };
+            next = (self.shooting.exchanged(&station.at, index))
+                .map_err(|error| error.to_string())
+                .and_then(|exchanged| self.begins_exchanged(exchanged, &station));
+        }
         match next {
             Ok(next) => {
                 self.settle(&next);
@@ -390,6 +398,21 @@ impl Walker {
             }
             Err(why) => Stop::Broken(End::Lost(why), Box::new(station)),
         }
+    }
+
+    /// The first station of equations in which two events have changed places, from one of those before.
+    fn begins_exchanged(
+        &mut self,
+        mut exchanged: Exchanged,
+        from: &Station,
+    ) -> Result<Station, String> {
+        let direction = exchanged.direction(&from.tangent);
+        let guess = (&*exchanged.guess, &*direction);
+        let grows = exchanged.grows();
+        let next = station_after(&mut exchanged.shooting, guess, grows);
+        let next = next.map_err(|error| error.to_string())?;
+        self.shooting = exchanged.shooting;
+        Ok(next)
     }
 
     /// Notes where two events share their instant.
@@ -432,7 +455,9 @@ impl Walker {
         let Ok(met) = watching.at_corner(&station.at, (index, guard)) else {
             return false;
         };
-        self.note_met(there, &met);
+        if !self.shooting.has_kink_at_end(&met.at, (index, guard)) {
+            self.note_met(there, &met);
+        }
         true
     }
 

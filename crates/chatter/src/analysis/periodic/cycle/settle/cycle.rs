@@ -3,7 +3,7 @@
 use super::sizes::{sizes, states};
 use crate::analysis::periodic::closure::Turn;
 use crate::analysis::periodic::cycle::itinerary::{Step, around, read};
-use crate::analysis::periodic::cycle::rotate::{past_instant, rotate};
+use crate::analysis::periodic::cycle::rotate::{past_instant, rotate, turned};
 use crate::analysis::periodic::cycle::trace::Instant;
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::Workshop;
@@ -77,21 +77,31 @@ impl Cycle {
 }
 
 /// Tells steps from the first turn of each phase, where phases have most digits and change least with their rate; a phase that goes
-/// round no times from the turn nearest to zero. Pieces of lookups are numbered on from turn to turn: where there are any,
+/// round no times from the turn nearest to zero. Pieces of lookups are numbered on from turn to turn where they are asked at a phase: then
 /// phases stay what they are.
-pub(crate) fn from_first_turn(steps: &mut [Step], turns: &[Turn<f64>], counts: &[i64]) {
-    if steps.iter().any(|step| !step.pieces.is_empty()) {
+pub(crate) fn from_first_turn(
+    known: (&Workshop, &[f64]),
+    steps: &mut [Step],
+    turns: &[Turn<f64>],
+    counts: &[i64],
+) {
+    let Some(first) = steps.first().map(|step| &step.start) else {
         return;
-    }
-    for (turn, &count) in turns.iter().zip(counts) {
-        let first = steps.first().map_or(0.0, |step| step.start[turn.state]) / turn.period;
-        let whole = if count == 0 {
-            first.round()
+    };
+    let whole = turns.iter().zip(counts).map(|(turn, &count)| {
+        let gone = first[turn.state] / turn.period;
+        if count == 0 {
+            gone.round()
         } else {
-            first.floor()
-        };
-        for step in &mut *steps {
-            step.start[turn.state] -= whole * turn.period;
+            gone.floor()
+        }
+    });
+    let by: Vec<i64> = whole.map(|whole| -(whole as i64)).collect();
+    if by.iter().any(|&by| by != 0) {
+        let told = turned(known, turns, (steps, counts), &by);
+        let in_same_pieces = |(step, told): (&Step, &Step)| step.pieces == told.pieces;
+        if steps.iter().zip(&told).all(in_same_pieces) {
+            steps.clone_from_slice(&told);
         }
     }
 }
@@ -107,7 +117,7 @@ pub(super) fn cycle(
     let (first, last) = (&instants[0].state, &instants[instants.len() - 1].state);
     let difference = workshop.closure.difference(turns, (first, last), sizes);
     past_instant(workshop, parameters, (&mut steps, &difference.turns))?;
-    from_first_turn(&mut steps, turns, &difference.turns);
+    from_first_turn((workshop, parameters), &mut steps, turns, &difference.turns);
     Ok(Cycle {
         steps,
         counts: difference.turns,

@@ -176,7 +176,13 @@ fn quiet(
     let image = shooting.flown_on(&shooting.guess(free), length)?;
     let sizes = sizes([&step.start, &image], turns);
     let difference = (workshop.closure).difference(turns, (&step.start, &image), &sizes);
-    from_first_turn(&mut steps, turns, &difference.turns);
+    let parameters = workshop.parameters(free);
+    from_first_turn(
+        (workshop, &parameters),
+        &mut steps,
+        turns,
+        &difference.turns,
+    );
     Some(Cycle {
         steps,
         counts: difference.turns,

@@ -229,7 +229,7 @@ fn timed(
         let difference = (workshop.closure).difference(turns, (state, last), &sizes);
         let lap = Closure::time_of(turns, &difference.turns)?;
         let mut steps = vec![Step::timed(&tracer.trajectory, state.clone(), lap.time)];
-        from_first_turn(&mut steps, turns, &difference.turns);
+        from_first_turn((workshop, parameters), &mut steps, turns, &difference.turns);
         (difference.distance <= near).then(|| Cycle {
             steps,
             counts: difference.turns.clone(),
