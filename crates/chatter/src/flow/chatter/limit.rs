@@ -223,6 +223,11 @@ impl<R: Real> SequenceMap<'_, R> {
         values
     }
 
+    /// The restitution of an impact of vanishing rate at a state.
+    pub(super) fn restitution(&mut self, state: (&[R], &[R])) -> R {
+        (self.tapes).restitution(self.work, self.constants, state)
+    }
+
     /// What holds at a point, given with the derivatives of its coordinates.
     pub(super) fn at(&mut self, point: &[R], low: &[R]) -> LimitPoint<R> {
         let mut values = (self.tapes).limit_values(self.work, self.constants, (point, low));

@@ -274,7 +274,12 @@ impl<R: Real> ChatterTracker<R> {
                 .collect(),
             events: map.events((state, low)),
         });
-        let far = (self.samples.iter()).position(|sample| sample.is_near(local.at_rest));
+        // What the tops of flights make of the sequence is no matter of its impacts.
+        let at_rest = match map.turn {
+            Some(_) => map.restitution((state, low)),
+            None => local.at_rest,
+        };
+        let far = (self.samples.iter()).position(|sample| sample.is_near(at_rest));
         self.samples.drain(..far.unwrap_or(self.samples.len()));
         if self.samples.len() < FEWEST_SAMPLES {
             self.unsettled = R::splat(f64::MAX);

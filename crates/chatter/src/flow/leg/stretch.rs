@@ -171,6 +171,7 @@ impl Stretch {
         trajectory.set_horizon_parts(two_sum(clock, longest));
         let (mut accumulations, mut passes) = (0, 0);
         let mut astray = Astray::Otherwise;
+        let mut hit: Option<R> = None;
         // When a corner has ended the way to it, and where.
         let mut corner: Option<(R, Vec<R>)> = None;
         for _ in 0..MOST_EVENTS {
@@ -181,7 +182,13 @@ impl Stretch {
                 mode = trajectory.mode;
                 pieces.clear();
                 pieces.extend_from_slice(trajectory.pieces());
-                told = trajectory.advance_to_horizon(system, work)?;
+                let next = trajectory.advance_to_horizon(system, work);
+                // At a border a flight may come to nothing whose way back takes for ever: no derivative is left.
+                let columns = &trajectory.state()[x.len()..];
+                if next.is_err() && columns.iter().any(|x| !x.is_finite()) {
+                    return Err(astray);
+                }
+                told = next?;
                 if told.is_some() || trajectory.ended_by().is_some() {
                     break;
                 }
@@ -206,7 +213,13 @@ impl Stretch {
                 Some(Occurrence::Accumulation { .. } | Occurrence::Cascade { .. }) => {
                     accumulations += 1
                 }
-                Some(Occurrence::Switch { .. }) if accumulations < self.accumulations => {
+                Some(Occurrence::Impact { .. }) => hit = Some(trajectory.time()),
+                // Friction turns with the gap rate, at tops and at impacts.
+                Some(Occurrence::Switch { .. })
+                    if accumulations < self.accumulations
+                        && hit.is_some_and(|hit| hit != trajectory.time())
+                        && !trajectory.is_past_top() =>
+                {
                     astray = Astray::Crosses;
                 }
                 _ => {}

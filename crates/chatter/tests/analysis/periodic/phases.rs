@@ -65,9 +65,10 @@ v = 0
         let w = point.parameter();
         let (re, im) = (1.0 - w * w, 0.1 * w);
         let size = 0.4 / (re * re + im * im);
-        let expected = [size * re, size * w * im, 0.0];
-        let off = point.state.iter().zip(expected).map(|(x, y)| (x - y).abs());
-        assert!(off.fold(0.0, f64::max) < 1e-12, "{w}: {:?}", point.state);
+        let (x, v, t) = (point.state[0], point.state[1], point.state[2]);
+        let off = (x - size * re).hypot(v - size * w * im);
+        assert!(off < 1e-12, "{w}: {:?}", point.state);
+        assert!((-1e-12..TAU / w + 1e-12).contains(&t), "{w}: {t}");
     }
 }
 

@@ -25,6 +25,42 @@ fn doubled(
     .unwrap()
 }
 
+/// A mass on a foundation whose stiffness swings (Mathieu's equation), and that does not pull: while it is not left the oscillator is linear, and all doubled orbits
+/// that leave it have one value of the parameter, until they touch. Doublings by an integration (DOP853, tolerance 1e-13) of its own.
+#[test]
+fn doubled_orbits_of_a_linear_oscillator_are_a_family_at_one_value() {
+    let text = "[parameters]\nw = 1.7\n[flight]\ny = \"v\"\nv = \"1 - 0.1*v - max((1 - 0.4*cos(w*t))*y, 0)\"\n\
+        [section.strobe]\nsurface = \"sin(w*t)\"\ndirection = \"rising\"\n[initial]\ny = 1\nv = 0\n";
+    for step in [0.03, 0.1] {
+        let found = doubled(text, ("w", 1.7), (1.7, 2.3), step, 1);
+        let [simple, below, above] = &found[..] else {
+            panic!("{step}: {} branches", found.len());
+        };
+        let doublings: Vec<f64> = simple.special.iter().map(value).collect();
+        for ((told, expected), branch) in { doublings.iter() }
+            .zip([1.8201405529192, 2.1654112939173])
+            .zip([below, above])
+        {
+            assert!((told - expected).abs() < 1e-12, "{step}: {told}");
+            let kinds: Vec<_> = branch.special.iter().map(|s| s.kind).collect();
+            assert_eq!(
+                kinds,
+                [SpecialKind::Touch, SpecialKind::BranchPoint],
+                "{step}"
+            );
+            let all = branch.special.iter().map(value);
+            let off = all.map(|at| (at - expected).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-12, "{step}: {off:e}");
+            assert!(
+                branch
+                    .points
+                    .iter()
+                    .any(|point| (point.parameter() - expected).abs() > 0.1)
+            );
+        }
+    }
+}
+
 /// A hardening spring that strikes a moving wall. Doubled orbits leave just before they graze: what the equations have beyond that is no motion,
 /// and nothing that a branch may begin with. The multiplier by an integration (DOP853, tolerance 1e-12) of its own.
 #[test]
