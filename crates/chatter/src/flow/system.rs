@@ -55,6 +55,8 @@ pub struct System {
     /// By number of a surface the contacts whose gaps have a corner there.
     kinks: Vec<Closed>,
     rubbing: Vec<Rubbing>,
+    /// By number of a surface those that vanish with it, and itself: as two contacts of one body slide at one rate.
+    alike: Vec<Surfaces>,
     /// Surfaces that are constant multiples of gaps: their numbers, contacts and constants.
     kept: Vec<(usize, usize, Expr)>,
     directions: Vec<Direction>,
@@ -116,6 +118,7 @@ impl System {
         let coordinates = model.states.len();
         let mut graph = model.graph.clone();
         let kept = kept(&mut graph, &corners.surfaces, &model.contacts);
+        let alike = alike(&mut graph, &corners.surfaces);
         let directions: Vec<Direction> = (columns.iter().enumerate())
             .map(|(index, &column)| {
                 Direction::of(column, &model, &mut graph, (index + 1) * coordinates)
@@ -135,6 +138,7 @@ impl System {
             model: Arc::new(model),
             corners,
             rubbing,
+            alike,
             kept,
             dimension: coordinates * (1 + columns.len()),
             coordinates,
@@ -441,6 +445,11 @@ impl System {
         self.rubbing.iter().find(|rubs| rubs.contact == contact)
     }
 
+    /// The surfaces that vanish with one, and itself: multiples of one function.
+    pub(crate) fn alike(&self, surface: usize) -> Surfaces {
+        self.alike.get(surface).copied().unwrap_or_default()
+    }
+
     /// The law of simultaneous impacts.
     pub(crate) fn simultaneous(&self) -> Simultaneous {
         self.model.simultaneous
@@ -524,6 +533,19 @@ fn kept(graph: &mut Graph, surfaces: &[Expr], contacts: &[Contact]) -> Vec<(usiz
         }
     }
     kept
+}
+
+/// By number of a surface those that are constant multiples of it.
+fn alike(graph: &mut Graph, surfaces: &[Expr]) -> Vec<Surfaces> {
+    let mut is_multiple =
+        |one: Expr, other: Expr| one == other || graph.factor_of(one, other).is_some();
+    (surfaces.iter())
+        .map(|&one| {
+            (surfaces.iter().enumerate())
+                .filter(|&(_, &other)| is_multiple(one, other))
+                .fold(Surfaces::default(), |all, (index, _)| all.with(index))
+        })
+        .collect()
 }
 
 /// By number of a surface the contacts whose gaps have a corner there.

@@ -1,14 +1,14 @@
 //! The equations of a leg: its field, its guards, the surface that it ends at and the map there.
 
 use super::{Jump, LegKind};
-use crate::expressions::{Asked, Expr, Graph, Side, Symbol};
+use crate::expressions::{Asked, Expr, Graph, Side, Sides, Symbol};
 use crate::flow::modes::closed::{Closed, Grip};
 use crate::flow::modes::equations::{ModeExprs, guard_functions};
 use crate::flow::modes::guard::GuardKind;
 use crate::flow::modes::limits::Limits;
 use crate::flow::system::System;
 use crate::flow::touch::stop;
-use crate::model::{Model, Section, State};
+use crate::model::{Mechanics, Model, Section, State};
 use crate::numerics::dot;
 
 /// The equations of a leg.
@@ -136,24 +136,40 @@ impl System {
         })
     }
 
-    /// The mode between two events of one instant in the other order, where these lead from mode to mode, the first and then the second: what the
-    /// second changes has changed there. None where something opens or closes, or a slide begins or ends, or where it holds no motion.
-    pub(crate) fn in_other_order(&self, modes: [usize; 3]) -> Option<usize> {
-        let [before, between, after] = modes.map(|mode| Some(self.origin_of(mode)?.0));
-        (before? == between? && before? == after?).then(|| self.swapped(modes))?
+    /// Whether only friction in contacts that are open all through a mode depends on the side of a surface, and of those that vanish with it: nothing
+    /// happens where it is crossed.
+    pub(crate) fn rubs_nowhere(&self, mode: usize, surface: usize) -> bool {
+        let Some((grip, _, on)) = self.origin_of(mode) else {
+            return false;
+        };
+        let alike = self.alike(surface);
+        let mut asked = alike
+            .members()
+            .filter(|&of| on.active.surfaces.contains(of));
+        let mut rubs = self
+            .rubbing()
+            .iter()
+            .filter(|of| alike.contains(of.surface));
+        on.rubbing_alone.contains(surface)
+            && asked.all(|of| on.rubbing_alone.contains(of))
+            && rubs.all(|of| !grip.closed.contains(of.contact))
     }
 
-    /// The same where one of them may open or close contacts, too.
-    pub(crate) fn swapped(&self, [before, between, after]: [usize; 3]) -> Option<usize> {
-        let (grip_before, mut sides, on_before) = self.origin_of(before)?;
+    /// Whether a guard of a mode is the surface of such friction.
+    pub(crate) fn is_idle(&self, mode: usize, guard: GuardKind) -> bool {
+        matches!(guard, GuardKind::Switch(surface) if self.rubs_nowhere(mode, surface))
+    }
+
+    /// The mode between two events of one instant in the other order, where these lead from mode to mode, the first and then the second: what the
+    /// second changes has changed there. None where something opens or closes, or a slide begins or ends, or where it holds no motion.
+    pub(crate) fn in_other_order(&self, [before, between, after]: [usize; 3]) -> Option<usize> {
+        let (grip, mut sides, on_before) = self.origin_of(before)?;
         let (grip_between, sides_between, on_between) = self.origin_of(between)?;
         let (grip_after, sides_after, _) = self.origin_of(after)?;
         let known = (on_before.followed.surfaces).or(on_between.followed.surfaces);
-        let grip = match (grip_before == grip_between, grip_between == grip_after) {
-            (true, _) => grip_after,
-            (false, true) => grip_before,
-            (false, false) => return None,
-        };
+        if grip != grip_between || grip != grip_after {
+            return None;
+        }
         for surface in 0..self.corners().surfaces.len() {
             let all = [sides, sides_between, sides_after].map(|sides| sides.get(surface));
             let changes = all.iter().any(|side| *side != all[0]);
@@ -241,6 +257,38 @@ impl System {
         is_kept || after == graph.number(0.0)
     }
 
+    /// What is positive as long as friction at an impact does what it does: all of it leaves some of the sliding, or, where it stops that, would turn sliding of
+    /// either side.
+    fn slips(
+        &self,
+        mechanics: &mut Mechanics,
+        (sides, jump): (Sides, Jump),
+    ) -> Vec<(GuardKind, Expr)> {
+        let (Jump::Impact(contact) | Jump::Stop(contact)) = jump else {
+            return Vec::new();
+        };
+        let Some(rubbing) = self.rubbing_at(contact) else {
+            return Vec::new();
+        };
+        if self.corners().is_disc(rubbing.surface) {
+            return Vec::new();
+        }
+        let stops = matches!(jump, Jump::Stop(_));
+        let own = sides.get(rubbing.surface);
+        let both = [Side::Above, Side::Below].into_iter();
+        let all = both.filter(|side| stops || *side == own);
+        let left = all.filter_map(|side| {
+            let left = mechanics.left_sliding(contact, side)?;
+            let is_negative = stops == (side == Side::Above);
+            let function = match is_negative {
+                true => mechanics.graph.neg(left),
+                false => left,
+            };
+            Some((GuardKind::Leave(rubbing.surface, side), function))
+        });
+        left.collect()
+    }
+
     pub(super) fn ending(&self, kind: LegKind) -> Option<Ending> {
         let (grip, sides, on_sides) = self.origin_of(kind.mode)?;
         let mut mechanics = on_sides.mechanics.clone();
@@ -256,9 +304,11 @@ impl System {
             Jump::Stop(contact) => Some(stop(&mut mechanics, contact)?.stop),
             _ => None,
         };
+        let slips = self.slips(&mut mechanics, (sides, kind.jump));
         let mut graph = mechanics.graph;
         let sections = &on_sides.sections;
-        let guards = guard_functions(&mut graph, &contacts, (sections, &limits), &exprs);
+        let mut guards = guard_functions(&mut graph, &contacts, (sections, &limits), &exprs);
+        guards.retain(|&(guard, ..)| !self.is_idle(kind.mode, guard));
         let mut map: Vec<Expr> = match kind.jump {
             Jump::None => (0..exprs.field.len()).map(|i| graph.state(i)).collect(),
             Jump::Impact(contact) | Jump::Stop(contact) => {
@@ -266,14 +316,12 @@ impl System {
             }
             Jump::Reset(section) => sections.get(section)?.reset.clone()?,
         };
-        let mut slipped = None;
         if let Some(stop) = stop {
             let hit = map.clone();
             for (after, added) in map.iter_mut().zip(stop) {
                 let added = graph.substitute(added, &|symbol| at(&hit, symbol));
                 *after = graph.add(*after, added);
             }
-            slipped = Some(hit);
         }
         let slid_along = (on_sides.followed.surfaces.members())
             .filter(|&index| sides.get(index) == Side::Sliding)
@@ -313,21 +361,7 @@ impl System {
             Jump::Reset(section) => limits.resets[section],
         };
         let mut asked = on_sides.guards_of(&mut graph, (self.corners(), sides), asked);
-        // Friction stops what slides as long as all of it would turn that round.
-        if let (Jump::Stop(contact), Some(slipped)) = (kind.jump, slipped) {
-            let rubs = (self.rubbing().iter()).filter(|rubbing| rubbing.contact == contact);
-            for rubbing in rubs.filter(|rubbing| !self.corners().is_disc(rubbing.surface)) {
-                let rate = on_sides.surfaces[rubbing.surface];
-                let left = graph.substitute(rate, &|symbol| at(&slipped, symbol));
-                let turned = match sides.get(rubbing.surface) {
-                    Side::Above => graph.neg(left),
-                    Side::Below => left,
-                    Side::Sliding => continue,
-                };
-                let slips = GuardKind::Leave(rubbing.surface, sides.get(rubbing.surface));
-                asked.push((slips, turned));
-            }
-        }
+        asked.extend(slips);
         // What is a corner for the event alone may be where it comes.
         let all = guards.iter().copied();
         let surface = match kind.ends_at {

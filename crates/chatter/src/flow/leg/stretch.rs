@@ -224,7 +224,9 @@ impl Stretch {
                 }
                 _ => {}
             }
+            // Sliding that turns in flight is nothing that happens.
             let by = trajectory.ended_by();
+            let by = by.filter(|&guard| !system.is_idle(mode, guard));
             let now = trajectory.time();
             let at_start = (now - clock).to_f64() <= AT_START * longest.to_f64();
             if at_start && passes == 0 && by.is_some() && by == after.filter(is_knot) {

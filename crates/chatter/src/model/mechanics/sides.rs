@@ -69,6 +69,8 @@ pub(crate) struct OnSides {
     pub active: Asked,
     /// Those of them that the motion depends on.
     pub followed: Asked,
+    /// The surfaces on whose side friction alone depends, as rates of sliding.
+    pub rubbing_alone: Surfaces,
     /// Of each contact those that the restitution of its impacts depends on, …
     pub at_impact: Vec<Asked>,
     /// … and of each section those that its reset does; and its formulas by which whole parts are those of the numbers in them, if it
@@ -213,6 +215,7 @@ impl Mechanics {
             radicands,
             active: asked.all(),
             followed: asked.followed,
+            rubbing_alone: asked.rubbing_alone,
             at_impact: asked.at_impact,
             at_reset: asked.at_reset,
             whole_resets,
@@ -259,6 +262,44 @@ impl Mechanics {
         );
         let bare = self.graph.lie_derivative(rate, &impulse);
         self.graph.div(with, bare)
+    }
+
+    /// The rate of sliding that an impact with all of the friction against sliding on a side leaves.
+    pub(crate) fn left_sliding(&mut self, contact: usize, side: Side) -> Option<Expr> {
+        let rub = self.rubs.iter().find(|rub| rub.contact == contact)?.clone();
+        let (rate, restitution) = {
+            let of = &self.contacts[contact];
+            (of.rate, of.restitution)
+        };
+        let graph = &mut self.graph;
+        let against = match side {
+            Side::Above => graph.neg(rub.coefficient),
+            Side::Below => rub.coefficient,
+            Side::Sliding => graph.number(0.0),
+        };
+        let impulse: Vec<Expr> = (rub.impulse.iter().zip(&rub.along))
+            .map(|(&normal, &along)| {
+                let share = graph.mul(against, along);
+                graph.add(normal, share)
+            })
+            .collect();
+        let each = graph.lie_derivative(rate, &impulse);
+        let one = graph.number(1.0);
+        let rise = graph.add(one, restitution);
+        let rise = graph.mul(rise, rate);
+        let amount = graph.div(rise, each);
+        let after: Vec<Expr> = (impulse.iter().enumerate())
+            .map(|(i, &part)| {
+                let state = graph.state(i);
+                let by = graph.mul(amount, part);
+                graph.sub(state, by)
+            })
+            .collect();
+        let at = |symbol: Symbol| match symbol {
+            Symbol::State(i) => after.get(i).copied(),
+            _ => None,
+        };
+        Some(self.graph.substitute(rub.rate, &at))
     }
 
     /// Whether an expression vanishes, or is rounding of what it is a difference of.
@@ -434,6 +475,7 @@ impl Resting {
 /// Who asks for corners on given sides.
 struct AskedFor {
     followed: Asked,
+    rubbing_alone: Surfaces,
     at_impact: Vec<Asked>,
     at_reset: Vec<Asked>,
 }
@@ -458,19 +500,21 @@ impl AskedFor {
                 followed.extend(&friction.along);
             }
         }
-        let mut followed = asked(&followed);
-        for rubbing in rubbing {
-            followed.surfaces = followed.surfaces.with(rubbing.surface);
-        }
-        Self {
-            followed,
+        let mut found = Self {
+            followed: asked(&followed),
+            rubbing_alone: Surfaces::default(),
             at_impact: (model.contacts.iter())
                 .map(|contact| asked(&[contact.restitution]))
                 .collect(),
             at_reset: (model.sections.iter())
                 .map(|section| asked(section.reset.as_deref().unwrap_or_default()))
                 .collect(),
-        }
+        };
+        let others = found.all().surfaces;
+        let rates = (rubbing.iter()).fold(Surfaces::default(), |all, of| all.with(of.surface));
+        found.followed.surfaces = found.followed.surfaces.or(rates);
+        found.rubbing_alone = rates.without(others);
+        found
     }
 
     fn all(&self) -> Asked {

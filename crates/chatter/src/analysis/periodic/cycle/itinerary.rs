@@ -132,6 +132,18 @@ impl Step {
         }
     }
 
+    /// Puts it, if it is followed in one mode, in another one.
+    fn set_mode(&mut self, mode: usize) {
+        match &mut self.passage {
+            Passage::Leg(kind)
+            | Passage::Timed(kind)
+            | Passage::Around(kind)
+            | Passage::AtOnce(kind)
+            | Passage::Together(kind) => kind.mode = mode,
+            Passage::Stretch(_) => {}
+        }
+    }
+
     /// The mode that it ends in.
     pub(crate) fn mode(&self) -> usize {
         match self.passage {
@@ -354,6 +366,38 @@ fn first_of_chatter(steps: &[Step], is_top: impl Fn(usize) -> bool, impacts: usi
         }
     }
     first
+}
+
+/// Puts each flight all through on the side of sliding that the impact at its end asks for, and on the same one if that asks for none, as where friction
+/// stops the sliding: where it turns in flight nothing happens.
+pub(in crate::analysis::periodic) fn keep_idle_sides(system: &System, steps: &mut [Step]) {
+    let count = steps.len();
+    for surface in system.rubbing().iter().map(|of| of.surface) {
+        let rubs = |contact: usize| {
+            let of = system.rubbing_at(contact);
+            of.is_some_and(|of| of.surface == surface)
+        };
+        let mut asked = Side::Above;
+        // Backwards, and around once more.
+        for index in (0..2 * count).rev() {
+            let step = &mut steps[index % count];
+            let mode = step.mode();
+            let origin = system
+                .origin_of(mode)
+                .filter(|_| !step.is_stretch() && system.rubs_nowhere(mode, surface));
+            let Some((grip, sides, _)) = origin else {
+                asked = Side::Above;
+                continue;
+            };
+            if step.impact().is_some_and(rubs) {
+                asked = match step.passage {
+                    Passage::Leg(kind) if matches!(kind.jump, Jump::Stop(_)) => Side::Above,
+                    _ => sides.get(surface),
+                };
+            }
+            step.set_mode(system.meet(grip, sides.with(surface, asked)));
+        }
+    }
 }
 
 /// The end of a piece that always comes with a surface which is crossed at an instant, as of a ramp and a square wave of one clock: of the two it is the

@@ -259,19 +259,22 @@ impl<'s> Tracer<'s> {
                 });
             }
             let guard = self.trajectory.ended_by();
+            // Sliding that turns in flight is nothing that happens.
+            let is_idle = guard.is_some_and(|guard| self.system.is_idle(mode, guard));
             let counts = |guard: Option<GuardKind>| match guard {
                 Some(GuardKind::Section(index)) => {
                     self.section == Some(index) || self.system.is_event(index)
                 }
-                other => other.is_some(),
+                other => other.is_some() && !is_idle,
             };
             // A flight that touches and is ended by nothing belongs to no event before it.
-            let happens = !matches!(
-                told,
-                None | Some(
-                    Occurrence::Horizon | Occurrence::Section { .. } | Occurrence::Graze { .. }
-                )
-            );
+            let happens = !is_idle
+                && !matches!(
+                    told,
+                    None | Some(
+                        Occurrence::Horizon | Occurrence::Section { .. } | Occurrence::Graze { .. }
+                    )
+                );
             let time = self.trajectory.time();
             let section = self.section.filter(|&index| !self.system.is_event(index));
             let looks = section.map(GuardKind::Section);

@@ -296,10 +296,15 @@ impl Shooting<f64> {
             return Vec::new();
         };
         let at = |expr: &Expr| graph.evaluate(*expr, state, &known);
+        let is_idle = |corner: Corner| match corner {
+            Corner::Surface(index) => system.rubs_nowhere(regime.mode, index),
+            Corner::Lookup(_) => false,
+        };
         let met = functions
             .all
             .iter()
             .enumerate()
+            .filter(|(_, function)| !is_idle(function.corner))
             .filter_map(|(number, function)| {
                 let slopes: Vec<f64> = function.slopes.iter().map(at).collect();
                 let rate = dot(&slopes, &field);

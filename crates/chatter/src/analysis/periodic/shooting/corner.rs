@@ -91,24 +91,11 @@ impl<R: Real> Shooting<R> {
         }
     }
 
-    /// Whether a step ends with an impact whose friction stops the sliding of its contact.
-    pub(crate) fn stops(&self, index: usize) -> bool {
-        let passage = self.steps[index].passage;
-        matches!(passage, Passage::Leg(kind) if matches!(kind.jump, Jump::Stop(_)))
-    }
-
-    /// Whether of the event at the end of a step and the one before one is an impact, and the other that the sliding of its contact turns.
-    pub(crate) fn slips_about(&self, index: usize) -> bool {
-        let both = [self.before(index), index].map(|k| &self.steps[k]);
-        let turns = |contact: usize, step: &Step| {
-            let mut rubs = self.workshop.system.rubbing().iter();
-            rubs.any(|rubbing| {
-                rubbing.contact == contact
-                    && step.ends_at() == Some(GuardKind::Switch(rubbing.surface))
-            })
-        };
-        let with = |one: usize| (both[one].impact()).is_some_and(|hit| turns(hit, both[1 - one]));
-        with(0) || with(1)
+    /// Whether a guard is that friction at the impact that a step ends with begins, or ceases, to stop the sliding of its contact.
+    pub(crate) fn stops_about(&self, index: usize, guard: GuardKind) -> bool {
+        let contact = self.steps[index].impact();
+        let rubbing = contact.and_then(|of| self.workshop.system.rubbing_at(of));
+        matches!((guard, rubbing), (GuardKind::Leave(surface, _), Some(of)) if of.surface == surface)
     }
 
     /// Watches how far the event at the end of a step is from a corner that it asks for.
@@ -279,6 +266,7 @@ impl Shooting<f64> {
         };
         let model = &self.workshop.model;
         let parameters = self.workshop.parameters(self.free(at));
+        let sides = self.sliding_sides(sides, kind, (touch, &parameters));
         // A moment before, the gap closes: with no rate at all corners that go by that have no side.
         let by = -MOMENT * self.period();
         let rates = model.states.iter().map(|state| {
@@ -292,6 +280,24 @@ impl Shooting<f64> {
         (LegKind { mode, ..kind }, pieces)
     }
 
+    /// Sides with that on which the contact of an impact slides at a state, where nothing but its friction asks for it.
+    fn sliding_sides(
+        &self,
+        sides: Sides,
+        kind: LegKind,
+        (state, parameters): (&[f64], &[f64]),
+    ) -> Sides {
+        let system = &self.workshop.system;
+        let rubbing = kind.jump.impact().and_then(|of| system.rubbing_at(of));
+        match rubbing.filter(|of| system.rubs_nowhere(kind.mode, of.surface)) {
+            Some(of) => {
+                let (plain, _) = (system.corners()).at(&system.model().graph, state, parameters);
+                sides.with(of.surface, plain.get(of.surface))
+            }
+            None => sides,
+        }
+    }
+
     /// Whether two modes move alike, and differ at most in what impacts and resets alone ask for.
     pub(crate) fn moves_alike(&self, one: usize, other: usize) -> bool {
         let system = &self.workshop.system;
@@ -302,7 +308,9 @@ impl Shooting<f64> {
         let mut followed = on.followed.surfaces.members();
         grip == other_grip
             && on.followed == other_on.followed
-            && followed.all(|surface| sides.get(surface) == other_sides.get(surface))
+            && followed.all(|surface| {
+                sides.get(surface) == other_sides.get(surface) || system.rubs_nowhere(one, surface)
+            })
     }
 
     /// The steps, of which one ends beyond these corners.

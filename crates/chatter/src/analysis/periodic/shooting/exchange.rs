@@ -1,8 +1,7 @@
 //! Events that change places. Where one is the knot of a table functions go on smoothly, and nothing happens to an orbit whose impact
 //! comes before it and not after it any more. An impact and the tick of a clock, say, of which neither changes what the other does, lead to one
 //! state in either order, as do an impact and the switch of a square wave, however that is spelled: the orbit goes on with a bend. Beside that
-//! place the time between both is an unknown like others, of either sign. So it is where sliding turns just as its contact is released: there is no friction
-//! then, and nothing happens.
+//! place the time between both is an unknown like others, of either sign.
 
 use super::Shooting;
 use super::at_jumps::differ;
@@ -175,30 +174,22 @@ impl<R: Real> Shooting<R> {
                 })
             }
             (None, None) => {
-                let turns = self.turns_at_release(one, other);
-                let pass = passes(one) && passes(other) && one.ends_at != other.ends_at;
-                if !(turns || pass) {
+                if !(passes(one) && passes(other) && one.ends_at != other.ends_at) {
                     return None;
                 }
                 let in_pieces = wraps || first.pieces == second.pieces;
-                let between = match turns {
-                    true => (self.workshop.system).swapped([first, second, next].map(Step::mode)),
-                    false => in_other_order(),
-                };
-                let between = between.filter(|_| in_pieces)?;
+                let between = in_other_order().filter(|_| in_pieces)?;
                 // What only a state on the other side asks for is not met from this one.
                 if !(self.meets(one.mode, other.ends_at) && self.meets(between, one.ends_at)) {
                     return None;
                 }
-                let closed = self.closed_before(before);
-                let opens_first = first.closed != closed;
                 Some(Exchange {
                     first: Step {
                         passage: Passage::Leg(LegKind {
                             mode: one.mode,
                             ..other
                         }),
-                        closed: if opens_first { closed } else { second.closed },
+                        closed: second.closed,
                         told: second.told.clone(),
                         ..first.clone()
                     },
@@ -228,16 +219,6 @@ impl<R: Real> Shooting<R> {
             Some(GuardKind::Piece(lookup, _)) => on.followed.lookups.contains(lookup),
             _ => true,
         })
-    }
-
-    /// Whether of two events one is that a contact is released, and the other that its sliding turns: where its force vanishes, so does friction.
-    fn turns_at_release(&self, one: LegKind, other: LegKind) -> bool {
-        let is_pair = |release: LegKind, turn: LegKind| match (release.ends_at, turn.ends_at) {
-            (Some(GuardKind::Reaction(contact)), Some(turn)) => self.is_turn(contact, turn),
-            _ => false,
-        };
-        let plain = one.jump == Jump::None && other.jump == Jump::None;
-        plain && (is_pair(one, other) || is_pair(other, one))
     }
 
     /// Whether what a step ends at is that the sliding of a contact turns.

@@ -40,7 +40,7 @@ pub(in crate::analysis::periodic) use workshop::AT_ENDS;
 pub(crate) use workshop::Workshop;
 
 use super::closure::{Closure, Lap, Turn};
-use super::cycle::itinerary::{Passage, Step, around, held};
+use super::cycle::itinerary::{Passage, Step, around, held, keep_idle_sides};
 use super::error::PeriodicError;
 use crate::analysis::continuation::Left;
 use crate::flow::leg::{Astray, Flyer, Follower, Jump, Landing, Least, Leg, LegKind, Stretch};
@@ -141,10 +141,11 @@ pub(in crate::analysis::periodic) const LONGEST: f64 = 4.0;
 impl<R: Real> Shooting<R> {
     pub(crate) fn new(
         workshop: &Arc<Workshop>,
-        steps: Vec<Step>,
+        mut steps: Vec<Step>,
         counts: Vec<i64>,
     ) -> Result<Self, PeriodicError> {
         let settings = Settings::default();
+        keep_idle_sides(&workshop.system, &mut steps);
         let unfollowed = || PeriodicError::Unfollowed {
             what: "a mode that holds no motion".to_owned(),
         };

@@ -13,3 +13,4 @@ mod sticks;
 mod surfaces;
 pub(super) mod touches;
 mod turns_at_release;
+mod turns_in_flight;

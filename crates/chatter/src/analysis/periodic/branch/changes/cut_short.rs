@@ -1,6 +1,7 @@
 //! A stick, a slide, or a way beyond a surface, that an impact or a reset cuts short, and that begins just there. On its other side the event comes first, and takes
 //! the state off before it sticks or crosses. So it is with the tick of a clock that makes the field jump, and so lets go at once of what it held, as the
-//! next pulse does of a current that has come to its end. The branch goes on without it to where that is the motion, on in the parameter or back, and from there the same
+//! next pulse does of a current that has come to its end; and where what slides has just turned as its contact is released: without a force there is no
+//! friction, and in flight the turn is no event. The branch goes on without it to where that is the motion, on in the parameter or back, and from there the same
 //! way in.
 
 use super::events::unfollowed;
@@ -21,7 +22,7 @@ const STANDS: f64 = 1e-9;
 
 impl<R: Real> Shooting<R> {
     /// The guard of the event before a step that slides along its surface since then, or goes on beyond it, where its own event is a jump and no end of
-    /// that, or a corner after which the state is back where it came from.
+    /// that, or a corner after which the state is back where it came from, or leaves nothing that asks for it.
     pub(in crate::analysis::periodic) fn cut_short(
         &self,
         index: usize,
@@ -35,6 +36,9 @@ impl<R: Real> Shooting<R> {
             return None;
         }
         let guard = meets.ends_at?;
+        if self.releases_what_turns(index, guard) {
+            return Some((guard, Stay::Beyond));
+        }
         if !(jumps(ends) || self.is_let_go(index, guard)) {
             return None;
         }
@@ -43,9 +47,17 @@ impl<R: Real> Shooting<R> {
         {
             return (!self.slides_along(first, surface)).then_some((guard, Stay::On));
         }
-        // Friction of what comes to a stop at the impact is of neither side.
-        let is_crossed = self.crossed(before) == Some(guard) && !self.slips_about(index);
-        is_crossed.then_some((guard, Stay::Beyond))
+        (self.crossed(before) == Some(guard)).then_some((guard, Stay::Beyond))
+    }
+
+    /// Whether the event at the end of a step is that a contact is released, and a guard that its sliding turns: in flight that is no event.
+    fn releases_what_turns(&self, index: usize, guard: GuardKind) -> bool {
+        match (self.steps[index].passage, self.steps[index].ends_at()) {
+            (Passage::Leg(kind), Some(GuardKind::Reaction(contact))) => {
+                kind.jump == Jump::None && self.is_turn(contact, guard)
+            }
+            _ => false,
+        }
     }
 
     /// Whether a step stays on the surface of a guard to another corner, at which it goes on at once to the side that it has come from.
@@ -92,6 +104,7 @@ impl Shooting<f64> {
             steps[before].passage = passage;
             steps[before].duration += held.duration;
             steps[before].told = held.told;
+            steps[before].closed = held.closed;
         }
         steps.remove(index);
         let (shorter, at) = self.like(steps, at)?;
@@ -124,6 +137,9 @@ impl Shooting<f64> {
             ..kind
         });
         steps[index].told = Vec::new();
+        if self.releases_what_turns(index, guard) {
+            steps[index].closed = self.closed_before(index);
+        }
         steps.insert(index + 1, held);
         let (mut longer, mut guess) = self.like(steps, at)?;
         if longer.cut_short(index + 1) != Some((guard, stay)) {
@@ -157,15 +173,24 @@ impl Shooting<f64> {
     }
 
     /// Whether the jump at the end of a step takes the state off the surface that the step before has come to, or the field after the corner there leads
-    /// it off.
+    /// it off, or nothing asks for that any more.
     fn leaves_surface(&self, at: &[f64], (index, guard, stay): (usize, GuardKind, Stay)) -> bool {
         match self.steps[index].passage {
+            _ if self.releases_what_turns(index, guard) => true,
             Passage::Leg(kind) if !jumps(kind) => self.leads_away(at, (self.after(index), guard)),
             _ if stay == Stay::On => true,
             _ => {
                 (guard.opposite()).is_some_and(|inside| self.jumps_off(at, (index, inside), false))
             }
         }
+    }
+
+    /// Whether it shows in derivatives that a step has crossed a surface just before the next one ends there: where a contact is released it has no force,
+    /// and so no friction.
+    fn shows(&self, crosses: usize, (guard, stay): (GuardKind, Stay)) -> bool {
+        let is_nothing =
+            self.releases_what_turns(self.after(crosses), guard) || self.is_smooth(crosses);
+        !(stay == Stay::Beyond && is_nothing)
     }
 
     /// Whether a step that comes in after another one stays on the surface where it begins, or goes on beyond it.
@@ -191,7 +216,6 @@ impl Walker {
     ) -> Option<Stop> {
         self.settle(station);
         let (guard, stay) = self.shooting.cut_short(index)?;
-        let is_beyond = stay == Stay::Beyond;
         let before = self.shooting.before(index);
         if !self
             .shooting
@@ -199,7 +223,7 @@ impl Walker {
         {
             return None;
         }
-        let is_told = !(is_beyond && self.shooting.is_smooth(before));
+        let is_told = self.shooting.shows(before, (guard, stay));
         Some(
             self.moment_vanishes(way, (station, is_told), here, |shooting, at| {
                 let (shooting, at, ends) = shooting.without_hold(at, index)?;
@@ -229,11 +253,10 @@ impl Walker {
         if rate.abs() <= STANDS * (changes * longer.period()).abs() {
             return None;
         }
-        let is_beyond = stay == Stay::Beyond;
         if !longer.leaves_surface(&next.at, (held, guard, stay)) {
             return None;
         }
-        let is_told = !(is_beyond && longer.is_smooth(index));
+        let is_told = longer.shows(index, (guard, stay));
         let watched = ((index, false), guard);
         self.moment_comes_in(way, (station, watched, is_told), Ok((longer, next)), here)
     }

@@ -95,7 +95,6 @@ impl Walker {
                     || self.crossing_comes_in((curve, reached), (&station, index, guard), here),
                 )
             }
-            Broken::Event(index) => self.dip_ends((curve, reached), (&station, index), here),
             _ => None,
         };
         if let Some(stop) = passes {
@@ -235,8 +234,8 @@ impl Walker {
             {
                 self.lose(&station, index, &there)
             }
-            // Friction that is too weak to stop what slides slows it as much.
-            Broken::Early(index, GuardKind::Leave(..)) if self.shooting.stops(index) => {
+            // Friction that is too weak to stop what slides slows it as much; other impacts of the same chatter do the like beside it.
+            Broken::Early(index, guard) if self.shooting.stops_about(index, guard) => {
                 Err(broken.told(&self.shooting))
             }
             Broken::Early(index, GuardKind::Reaction(contact)) => {
@@ -357,10 +356,8 @@ impl Walker {
         let forward = self.heading_known(&station);
         let exchanged = self.shooting.exchanged(&station.at, index);
         let shows = |exchanged: &Exchanged| Shooting::order_shows(exchanged).unwrap_or(true);
-        // Where friction begins or ceases to stop what slides at an impact other impacts do beside it, and nothing is told of any.
-        let is_passed = self.shooting.is_knot(index) || self.shooting.slips_about(index);
         let is_told = match &exchanged {
-            _ if is_passed => false,
+            _ if self.shooting.is_knot(index) => false,
             Ok(exchanged) => shows(exchanged),
             // One that only a state before the other asks for, as the corner of a force that a clock switches on and off.
             Err(_) => !self.shooting.is_smooth(self.shooting.before(index)),

@@ -147,7 +147,7 @@ pub(crate) fn broken(shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Vec<Brok
             if least.value >= 0.0 || beyond.is_some_and(|last| core::ptr::eq(last, least)) {
                 continue;
             }
-            if shooting.is_just_released(index, least) || shooting.is_dip(index, least) {
+            if shooting.is_just_released(index, least) {
                 continue;
             }
             // What vanishes with the event itself is left to the next step.

@@ -279,7 +279,10 @@ impl<R: Real> Shooting<R> {
         }
         // What impacts alone ask for is on whichever side the next one is.
         let followed = on.followed.surfaces.or(other_on.followed.surfaces);
-        let differ = |surface: &usize| sides.get(*surface) != other_sides.get(*surface);
+        let differ = |surface: &usize| {
+            sides.get(*surface) != other_sides.get(*surface)
+                && !system.rubs_nowhere(before, *surface)
+        };
         let mut surfaces = followed.members().filter(differ);
         let surface = surfaces.next().filter(|_| surfaces.next().is_none())?;
         let slides = |sides: Sides| sides.get(surface) == Side::Sliding;
