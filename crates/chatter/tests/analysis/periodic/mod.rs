@@ -3,6 +3,7 @@
 mod branches;
 mod caused;
 mod corners;
+mod counters;
 mod differences;
 mod drift;
 mod following;

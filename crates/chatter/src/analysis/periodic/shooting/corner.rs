@@ -6,7 +6,7 @@ use crate::analysis::continuation::{Left, Problem};
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::analysis::periodic::cycle::rotate::rotate;
 use crate::analysis::periodic::error::PeriodicError;
-use crate::expressions::{Asked, Side, Sides};
+use crate::expressions::{Asked, Side, Sides, Symbol};
 use crate::flow::leg::{Flyer, Jump, Leg, LegKind};
 use crate::flow::{Grip, GuardKind, Settings, System};
 use crate::numerics::Real;
@@ -202,6 +202,31 @@ fn unfollowed(what: &str) -> PeriodicError {
 }
 
 impl Shooting<f64> {
+    /// Whether the last event leaves what events alone move on the sides of surfaces that the orbit begins on: (M1) leave such a counter free, as which
+    /// side holds is a matter of modes, and these are to come back. After an evaluation.
+    pub(crate) fn counters_come_back(&self, at: &[f64]) -> bool {
+        let workshop = &self.workshop;
+        let (system, model) = (&workshop.system, &workshop.model);
+        let (graph, corners) = (&system.model().graph, system.corners());
+        let stands = |state: usize| {
+            let rate = graph.as_number(model.states[state].derivative);
+            rate.is_some_and(|rate| rate.to_f64() == 0.0)
+        };
+        let is_counter = |symbol: &Symbol| match *symbol {
+            Symbol::State(state) => workshop.closure.is_idle(state) && stands(state),
+            Symbol::Parameter(_) => true,
+        };
+        let Some(last) = self.latest.last() else {
+            return true;
+        };
+        let parameters = workshop.parameters(self.free(at));
+        let [(begins, _), (ends, _)] =
+            [self.node(at, 0), &last.image].map(|state| corners.at(graph, state, &parameters));
+        let mut told = (corners.surfaces.iter().enumerate())
+            .filter(|(_, surface)| graph.symbols(**surface).iter().all(is_counter));
+        told.all(|(index, _)| begins.get(index) == ends.get(index))
+    }
+
     /// The same orbit where the event at the end of a step is beyond these corners that it asks for.
     pub(crate) fn beyond_corners(
         &mut self,

@@ -296,11 +296,11 @@ fn without_passed(shooting: &Shooting<f64>, mut found: Vec<Broken>) -> Vec<Broke
     found
 }
 
-/// Whether an orbit's equations are solved by what is no motion: through a wall, or with events in another order.
+/// Whether an orbit's equations are solved by what is no motion: through a wall, with events in another order, or with a counter that does not come back.
 pub(crate) fn is_broken(shooting: &mut Shooting<f64>, at: &[f64]) -> Result<bool, Left> {
     shooting.evaluate(at)?;
     let least = shooting.least(at)?;
-    Ok(!broken(shooting, &least).is_empty())
+    Ok(!broken(shooting, &least).is_empty() || !shooting.counters_come_back(at))
 }
 
 /// Whether they have a value there, and the motion has that sequence of events.
