@@ -356,31 +356,34 @@ impl Walker {
         let forward = self.heading_known(&station);
         let exchanged = self.shooting.exchanged(&station.at, index);
         let shows = |exchanged: &Exchanged| Shooting::order_shows(exchanged).unwrap_or(true);
-        let is_told = match &exchanged {
-            _ if self.shooting.is_knot(index) => false,
+        let is_one = exchanged.is_ok();
+        let shows = match &exchanged {
             Ok(exchanged) => shows(exchanged),
             // One that only a state before the other asks for, as the corner of a force that a clock switches on and off.
             Err(_) => !self.shooting.is_smooth(self.shooting.before(index)),
         };
+        let next = exchanged.map_err(|error| error.to_string());
+        let mut next = next.and_then(|exchanged| begins_exchanged(exchanged, &station));
+        // Where the other order leads to another state derivatives say nothing.
+        let is_told = !self.shooting.is_knot(index) && (shows || is_one && next.is_err());
         if is_told {
             self.note_exchange(&station, index, &there);
         }
-        let mut next = exchanged
-            .map_err(|error| error.to_string())
-            .and_then(|exchanged| self.begins_exchanged(exchanged, &station));
         // Both halves of an orbit that is its own mirror image come to such a place at once.
         for _ in 0..self.shooting.steps.len() {
-            let Some((station, index)) = (next.as_ref().ok())
-                .and_then(|next| Some((next.clone(), self.shooting.passes_there(next)?)))
-            else {
+            let Ok((shooting, station)) = &next else {
                 break;
             };
-            next = (self.shooting.exchanged(&station.at, index))
+            let Some(index) = shooting.passes_there(station) else {
+                break;
+            };
+            next = (shooting.exchanged(&station.at, index))
                 .map_err(|error| error.to_string())
-                .and_then(|exchanged| self.begins_exchanged(exchanged, &station));
+                .and_then(|exchanged| begins_exchanged(exchanged, station));
         }
         match next {
-            Ok(next) => {
+            Ok((shooting, next)) => {
+                self.shooting = shooting;
                 self.settle(&next);
                 self.shooting.adopt(&next.at);
                 let is_flat = self.is_flat(&next);
@@ -395,21 +398,6 @@ impl Walker {
             }
             Err(why) => Stop::Broken(End::Lost(why), Box::new(station)),
         }
-    }
-
-    /// The first station of equations in which two events have changed places, from one of those before.
-    fn begins_exchanged(
-        &mut self,
-        mut exchanged: Exchanged,
-        from: &Station,
-    ) -> Result<Station, String> {
-        let direction = exchanged.direction(&from.tangent);
-        let guess = (&*exchanged.guess, &*direction);
-        let grows = exchanged.grows();
-        let next = station_after(&mut exchanged.shooting, guess, grows);
-        let next = next.map_err(|error| error.to_string())?;
-        self.shooting = exchanged.shooting;
-        Ok(next)
     }
 
     /// Notes where two events share their instant.
@@ -837,6 +825,19 @@ impl Walker {
         self.shooting = shorter;
         Ok(next)
     }
+}
+
+/// Equations in which two events have changed places, and their first station, from one of those before.
+fn begins_exchanged(
+    mut exchanged: Exchanged,
+    from: &Station,
+) -> Result<(Shooting<f64>, Station), String> {
+    let direction = exchanged.direction(&from.tangent);
+    let guess = (&*exchanged.guess, &*direction);
+    let grows = exchanged.grows();
+    let next = station_after(&mut exchanged.shooting, guess, grows);
+    let next = next.map_err(|error| error.to_string())?;
+    Ok((exchanged.shooting, next))
 }
 
 /// The direction of a curve in which the rate of the impact at the end of a step grows.
