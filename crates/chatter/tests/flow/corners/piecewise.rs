@@ -877,6 +877,7 @@ fn chatter_that_crosses_surfaces_ends_alike_however_long_it_is_followed() {
         "-1 - 0.4*v*abs(v)",
         "-1 + if(v > 0, -0.2*cos(t), 0.3*sin(t) - 0.1*y)",
         "-1 - 0.3*sign(v) + 0.2*sin(3*t)",
+        "-1 - 0.8*sign(v) + 0.1*sin(t)",
     ] {
         let text = format!(
             "[flight]\ny = \"v\"\nv = \"{force}\"\n[[contact]]\ngap = \"y\"\nimpulse = {{ v = 1 }}\nrestitution = 0.6\n\

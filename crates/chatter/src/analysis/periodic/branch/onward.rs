@@ -356,7 +356,11 @@ impl Walker {
             let guess: Vec<f64> = guess.map(|(x, by)| x + by * ahead).collect();
             let free = self.shooting.free(&guess).to_vec();
             let start = self.shooting.node(&guess, node);
-            let start = legal(&workshop, &free, (closed, start))?;
+            let mut start = legal(&workshop, &free, (closed, start))?;
+            // What stands still on a surface does so exactly: beside it the motion would come to it once more.
+            let on = self.shooting.surfaces_stood_on(node);
+            let known = workshop.parameters(&free);
+            onto_gaps(&workshop.model, (&on, 1), &known, &mut start);
             // The period of a forcing changes with the parameter.
             let turns = workshop.closure.turns(&workshop.parameters(&free)).ok()?;
             let lap = Closure::time_of(&turns, &self.shooting.counts);

@@ -4,6 +4,7 @@ use super::{Flown, Shooting, lies_on};
 use crate::analysis::continuation::Left;
 use crate::analysis::periodic::cycle::itinerary::Passage;
 use crate::analysis::periodic::cycle::trace::{Instant, Tracer};
+use crate::expressions::Expr;
 use crate::flow::leg::{Least, LegKind};
 use crate::flow::{Closed, GuardKind};
 use crate::model::Direction;
@@ -96,6 +97,18 @@ impl Shooting<f64> {
             found.push(seen);
         }
         Ok(found)
+    }
+
+    /// The functions of the surfaces on which a step stands still, from where it begins.
+    pub(crate) fn surfaces_stood_on(&self, index: usize) -> Vec<Expr> {
+        let surfaces = &self.workshop.system.corners().surfaces;
+        let on = self.begins_on(index).into_iter();
+        on.filter(|&guard| self.stands_on(index, guard))
+            .filter_map(|guard| match guard {
+                GuardKind::Switch(surface) => surfaces.get(surface).copied(),
+                _ => None,
+            })
+            .collect()
     }
 
     /// Guards that are zero by the equations where a step begins: gaps of contacts that were struck, held or just released, and surfaces

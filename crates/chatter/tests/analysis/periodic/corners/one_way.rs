@@ -101,3 +101,29 @@ fn a_chip_that_ends_with_the_cut_is_no_touch() {
         );
     }
 }
+
+/// A ratchet wheel behind a torsion spring turns one way. Where its drive comes to be just enough once more in a period a short turn comes in, at
+/// w = 0.754946520556 by an integration (DOP853, tolerance 1e-12) of its own: the branch goes on from either side, by all steps.
+#[test]
+fn a_ratchet_wheel_that_is_just_driven_turns_beyond() {
+    let text = "[parameters]\nw = 0.8\n[definitions]\na = '2*(e - 0.15 - 0.1*q)'\n[flight]\ne = 'v - q'\nv = '0.8*cos(w*t) - e - 0.1*v'\n\
+                q = 'if(q > 0, a, max(a, 0))'\n[initial]\ne = 0\nv = 0\nq = 0\n";
+    for (start, step) in [
+        ("0.8", 0.1),
+        ("0.78", 0.03),
+        ("0.765", 0.01),
+        ("0.75", 0.03),
+    ] {
+        let found = over(&with(text, &[("w", start)]), "w", (0.74, 0.82), (8, step));
+        assert_eq!(found[0].ends, [End::Range, End::Range], "{start} {step}");
+        let [told] = &found[0].special[..] else {
+            panic!("{start} {step}: {:?}", found[0].special);
+        };
+        assert_eq!((told.kind, told.persists), (SpecialKind::Touch, Some(true)));
+        assert!(
+            (value(told) - 0.754946520556).abs() < 5e-12,
+            "{start} {step}: {}",
+            value(told)
+        );
+    }
+}
