@@ -96,6 +96,27 @@ fn the_margin_of_a_border_is_its_coordinate() {
     assert_eq!(border_margin(&dropped, None), None);
 }
 
+/// A block on a seesaw chatters against its end until friction holds it in the air: the margin is -b/a where chatter ends, of the accelerations of fall and rise, down to
+/// where its last impacts are rounding.
+#[test]
+fn the_margin_of_chatter_against_friction_is_what_flights_fall_with() {
+    const SEESAW: &str = "[parameters]\nw = 1\n[definitions]\nth = '0.5*sin(w*t)'\n[flight]\nx = 'u'\n\
+        u = '-sin(th) + x*(0.5*w*cos(w*t))^2 - 0.2*cos(th)*sign(u)'\n[[contact]]\nname = 'right'\ngap = '1.5 - x'\nimpulse = { u = -1 }\n\
+        restitution = 0.4\n[[contact]]\nname = 'left'\ngap = '1.5 + x'\nimpulse = { u = 1 }\nrestitution = 0.4\n[initial]\nx = 0\nu = 0\n";
+    for w in [1.1_f64, 1.03, 0.94, 0.93961, 0.939609665] {
+        let found = orbit(&with(SEESAW, &[("w", &w.to_string())]));
+        let mut margins = found.margins.iter();
+        let border = margins.find(|margin| margin.kind == MarginKind::Border);
+        let border = border.unwrap_or_else(|| panic!("{w}: {:?}", found.margins));
+        let time = found.start[2].to_f64() + border.time;
+        let (tilt, turns) = (0.5 * (w * time).sin(), 0.5 * w * (w * time).cos());
+        let (pull, friction) = (-tilt.sin() - 1.5 * turns * turns, 0.2 * tilt.cos());
+        let expected = -(pull + friction) / (pull - friction);
+        let off = (border.value - expected).abs();
+        assert!(off < 1e-12, "{w}: {} {expected}", border.value);
+    }
+}
+
 /// Of an orbit that begins at rest on the contact, whatever rounding has left beside it there.
 #[test]
 fn an_orbit_that_begins_on_its_contact_has_a_margin_at_every_distance() {

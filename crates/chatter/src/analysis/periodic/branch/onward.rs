@@ -4,7 +4,7 @@ use super::changes::graze::{THERE, moved};
 use super::changes::holds::sequence_holds;
 use super::changes::touch::{NO_TIME, Touched};
 use super::walker::Walker;
-use super::{End, Limits, Point, Seed, SpecialKind};
+use super::{End, Limits, Point, Seed, Special, SpecialKind};
 use crate::analysis::continuation::{Curve, Problem, Settings, Station, locate};
 use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::cycle::itinerary::Step;
@@ -121,8 +121,9 @@ impl Walker {
         // Where a stick or a slip comes to nothing the way goes into its time, and hardly past the touch.
         let stands = self.shooting.comes_back_at_once(&from.at);
         // So it does where a ball that was thrown lands at rest: it comes from there as the cube of the time between that and its landing.
-        let is_flat = broke.is_none() && self.is_flat(&from);
-        let is_over = stands || is_flat || (broke.is_none() && slides.iter().any(|&on| on > 0));
+        // And where an event loses its rate the equations with it turn.
+        let is_over =
+            stands || self.is_flat(&from) || (broke.is_none() && slides.iter().any(|&on| on > 0));
         let over = is_over.then(|| self.over_the_parameter(&from));
         let mut ways: Vec<&Station> = [&from].into_iter().chain(&over).collect();
         if stands {
@@ -178,6 +179,15 @@ impl Walker {
         if let Some(touched) = touched.filter(is_new) {
             let there = Point::new(&mut self.shooting, &next);
             self.note_passed_touch(&there, touched);
+        }
+        // Of one that was told as the sequence broke it is known now, too, that the branch goes on.
+        let now = self.points.len();
+        let is_told_here =
+            |special: &&mut Special| special.kind == SpecialKind::Touch && special.place == now;
+        if broke.is_some()
+            && let Some(special) = self.special.last_mut().filter(is_told_here)
+        {
+            special.persists = special.persists.or(Some(true));
         }
         self.begins_anew((next, CAREFUL * self.limits.longest_step), curve, here);
         true

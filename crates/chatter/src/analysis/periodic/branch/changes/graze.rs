@@ -356,7 +356,7 @@ impl Walker {
         let forward = self.heading_known(&station);
         let exchanged = self.shooting.exchanged(&station.at, index);
         let shows = |exchanged: &Exchanged| Shooting::order_shows(exchanged).unwrap_or(true);
-        let is_one = exchanged.is_ok();
+        let may_change = exchanged.is_ok();
         let shows = match &exchanged {
             Ok(exchanged) => shows(exchanged),
             // One that only a state before the other asks for, as the corner of a force that a clock switches on and off.
@@ -365,7 +365,7 @@ impl Walker {
         let next = exchanged.map_err(|error| error.to_string());
         let mut next = next.and_then(|exchanged| begins_exchanged(exchanged, &station));
         // Where the other order leads to another state derivatives say nothing.
-        let is_told = !self.shooting.is_knot(index) && (shows || is_one && next.is_err());
+        let is_told = !self.shooting.is_knot(index) && (shows || may_change && next.is_err());
         if is_told {
             self.note_exchange(&station, index, &there);
         }
