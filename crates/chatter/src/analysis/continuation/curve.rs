@@ -139,17 +139,17 @@ impl<R: Real> Station<R> {
         let size = problem.unknowns();
         let condition = Condition::fixed(size, fixed, start[fixed]);
         let found = newton(problem, start, &[condition])?;
-        let mut along = along(&found.factors, problem.scales()).ok_or(NewtonError::Singular)?;
-        if along[size - 1] < R::ZERO {
-            along.iter_mut().for_each(|x| *x = -*x);
-        }
-        Ok(Self {
+        let along = along(&found.factors, problem.scales()).ok_or(NewtonError::Singular)?;
+        let grows = along[size - 1] >= R::ZERO;
+        let station = Self {
             orientation: found.factors.determinant_sign(),
             at: found.at,
             tangent: along,
             residual: found.residual,
             correction: found.correction,
-        })
+        };
+        // Another unknown than the parameter may grow while that falls.
+        Ok(if grows { station } else { station.reversed() })
     }
 
     /// A point of the curve near `start`, with the same parameter unless that all but stands still along it, as in a family of orbits at one

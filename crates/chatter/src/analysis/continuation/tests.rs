@@ -205,3 +205,23 @@ fn a_coincidence_is_a_simple_root_where_one_condition_has_a_threefold_one() {
     // Along the curve: both grow alike.
     assert!(both.along[0].abs() < 1e-12 && (both.along[1] - 1.0).abs() < 1e-12);
 }
+
+/// x' = 1/p.
+fn inverse(_: &[f64], p: &[f64]) -> Result<Image, Left> {
+    let mut slopes = Matrix::zeros(1, 2);
+    slopes[(0, 1)] = -1.0 / (p[0] * p[0]);
+    Ok((vec![1.0 / p[0]], slopes))
+}
+
+#[test]
+fn branches_meet_nowhere_on_a_curve_wherever_it_begins() {
+    for held in [0, 1] {
+        let mut orbit = MapOrbit::new(&inverse, 1, (&[1.0], &[1.0]));
+        let begins = Station::near(&mut orbit, &[0.5, 2.0], held).unwrap();
+        assert!(begins.parameter_slope() > 0.0);
+        for begins in [begins.clone(), begins.reversed()] {
+            let (next, _) = begins.ahead(&mut orbit, 0.01).unwrap();
+            assert!(begins.orientation * next.orientation > 0.0, "{held}");
+        }
+    }
+}
