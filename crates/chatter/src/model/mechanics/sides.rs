@@ -33,6 +33,23 @@ pub(crate) struct Stick {
     pub impulse: Vec<Expr>,
 }
 
+impl Stick {
+    /// The contact's impulse with all of its friction, against sliding on a side; none where nothing slides.
+    fn against_sliding(&self, graph: &mut Graph, side: Side) -> Option<Vec<Expr>> {
+        let against = match side {
+            Side::Above => graph.neg(self.coefficient),
+            Side::Below => self.coefficient,
+            Side::Sliding => return None,
+        };
+        let parts = self.impulse.iter().zip(&self.along);
+        let with_share = parts.map(|(&normal, &along)| {
+            let share = graph.mul(against, along);
+            graph.add(normal, share)
+        });
+        Some(with_share.collect())
+    }
+}
+
 impl Slide {
     /// The function whose rate the jump changes, and that is held by it.
     pub(crate) fn held(&self) -> Expr {
@@ -234,19 +251,11 @@ impl Mechanics {
             coefficient: friction.coefficient,
             impulse: contact.impulse.clone(),
         };
-        self.rubs.push(stick.clone());
-        let against = match sides.get(rubbing.surface) {
-            Side::Above => self.graph.neg(friction.coefficient),
-            Side::Below => friction.coefficient,
-            Side::Sliding => {
-                self.sticks.push(stick);
-                return;
-            }
-        };
-        for (component, &along) in contact.impulse.iter_mut().zip(&friction.along) {
-            let share = self.graph.mul(against, along);
-            *component = self.graph.add(*component, share);
+        match stick.against_sliding(&mut self.graph, sides.get(rubbing.surface)) {
+            Some(impulse) => contact.impulse = impulse,
+            None => self.sticks.push(stick.clone()),
         }
+        self.rubs.push(stick);
     }
 
     /// What the impulse of a contact with the friction that sliding brings about does to the gap rate, in parts of what it does without:
@@ -272,17 +281,7 @@ impl Mechanics {
             (of.rate, of.restitution)
         };
         let graph = &mut self.graph;
-        let against = match side {
-            Side::Above => graph.neg(rub.coefficient),
-            Side::Below => rub.coefficient,
-            Side::Sliding => graph.number(0.0),
-        };
-        let impulse: Vec<Expr> = (rub.impulse.iter().zip(&rub.along))
-            .map(|(&normal, &along)| {
-                let share = graph.mul(against, along);
-                graph.add(normal, share)
-            })
-            .collect();
+        let impulse = rub.against_sliding(graph, side)?;
         let each = graph.lie_derivative(rate, &impulse);
         let one = graph.number(1.0);
         let rise = graph.add(one, restitution);

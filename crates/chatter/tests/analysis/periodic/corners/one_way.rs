@@ -3,6 +3,19 @@
 use crate::periodic::{over, value, with};
 use chatter::analysis::periodic::{End, SpecialKind};
 
+/// The branch over w goes through its range without a special point, from these values and by these steps.
+fn nothing_happens(text: &str, range: (f64, f64), runs: &[(&str, f64)]) {
+    for &(start, step) in runs {
+        let found = over(&with(text, &[("w", start)]), "w", range, (8, step));
+        assert_eq!(found[0].ends, [End::Range, End::Range], "{start} {step}");
+        assert!(
+            found[0].special.is_empty(),
+            "{start} {step}: {:?}",
+            found[0].special
+        );
+    }
+}
+
 /// A rectifier with choke and capacitor conducts once a period, and nothing happens to that along w. The current begins at the very instant at which the voltage
 /// over the choke is there, from where it has stood since the last time: what rounding has left of it is no touch. Voltages by DOP853 with 1e-12.
 #[test]
@@ -74,15 +87,8 @@ fn what_is_held_until_a_pulse_comes_in_where_that_lets_go_of_it_at_once() {
 fn a_current_that_ends_with_a_corner_of_its_voltage_touches_nothing() {
     let text = "[parameters]\nw = 1\n[definitions]\ne = '2*abs(sin(w*t)) - 0.2*i - u'\n[flight]\ni = 'if(i > 0, e, max(e, 0))'\n\
                 u = '(i - u/5)/2'\n[section.strobe]\nsurface = 'sin(w*t)'\ndirection = 'rising'\n[initial]\ni = 0.1\nu = 0.5\n";
-    for (start, step) in [("0.98", 0.03), ("0.987", 0.03), ("0.987", 0.1)] {
-        let found = over(&with(text, &[("w", start)]), "w", (0.975, 0.99), (8, step));
-        assert_eq!(found[0].ends, [End::Range, End::Range], "{start} {step}");
-        assert!(
-            found[0].special.is_empty(),
-            "{start} {step}: {:?}",
-            found[0].special
-        );
-    }
+    let runs = [("0.98", 0.03), ("0.987", 0.03), ("0.987", 0.1)];
+    nothing_happens(text, (0.975, 0.99), &runs);
 }
 
 /// A milling cutter whose chip, which is not thinner than nothing, ends just as the tooth leaves the cut: with and without its end before that the force goes on as
@@ -91,15 +97,8 @@ fn a_current_that_ends_with_a_corner_of_its_voltage_touches_nothing() {
 fn a_chip_that_ends_with_the_cut_is_no_touch() {
     let text = "[parameters]\nw = 1.455\n[flight]\nx = 'v'\n\
                 v = '-x - 0.06*v + 0.8*if(sin(w*t) > 0, max(0.3 + 0.5*sin(w*t) - x, 0), 0)'\n[initial]\nx = 0.1\nv = 0\n";
-    for (start, step) in [("1.435", 0.01), ("1.455", 0.01), ("1.455", 0.1)] {
-        let found = over(&with(text, &[("w", start)]), "w", (1.43, 1.46), (8, step));
-        assert_eq!(found[0].ends, [End::Range, End::Range], "{start} {step}");
-        assert!(
-            found[0].special.is_empty(),
-            "{start} {step}: {:?}",
-            found[0].special
-        );
-    }
+    let runs = [("1.435", 0.01), ("1.455", 0.01), ("1.455", 0.1)];
+    nothing_happens(text, (1.43, 1.46), &runs);
 }
 
 /// A ratchet wheel behind a torsion spring turns one way. Where its drive comes to be just enough once more in a period a short turn comes in, at

@@ -355,10 +355,9 @@ impl Walker {
         // There, and not where the step begins: a fold may lie between.
         let forward = self.heading_known(&station);
         let exchanged = self.shooting.exchanged(&station.at, index);
-        let shows = |exchanged: &Exchanged| Shooting::order_shows(exchanged).unwrap_or(true);
         let may_change = exchanged.is_ok();
         let shows = match &exchanged {
-            Ok(exchanged) => shows(exchanged),
+            Ok(exchanged) => Shooting::order_shows(exchanged).unwrap_or(true),
             // One that only a state before the other asks for, as the corner of a force that a clock switches on and off.
             Err(_) => !self.shooting.is_smooth(self.shooting.before(index)),
         };
