@@ -321,11 +321,7 @@ impl Walker {
         station: &Station,
         there: &Point,
     ) {
-        let impacts = |shooting: &Shooting<f64>| {
-            let steps = shooting.steps.iter();
-            steps.filter(|step| step.impact().is_some()).count()
-        };
-        let comes_in = impacts(&self.shooting) > impacts(&before);
+        let comes_in = self.shooting.struck() > before.struck();
         let is_known = comes_in && before.evaluate(&station.at).is_ok();
         let Some(index) = before.without_rate().filter(|_| is_known) else {
             return;

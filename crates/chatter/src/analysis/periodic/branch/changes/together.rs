@@ -59,6 +59,12 @@ impl Shooting<f64> {
 }
 
 impl Shooting<f64> {
+    /// How many impacts it has that are followed one by one.
+    pub(super) fn struck(&self) -> usize {
+        let steps = self.steps.iter();
+        steps.filter(|step| step.impact().is_some()).count()
+    }
+
     /// Whether a clock says when what happens: rates of impacts are smooth over the parameter.
     fn has_clock(&self) -> bool {
         self.workshop.closure.time.is_some() || self.counts.iter().any(|&count| count != 0)
@@ -71,8 +77,12 @@ impl Shooting<f64> {
 
     /// A graze with an impact wherever other contacts touch as well, and without its own if that goes out. None where no others touch.
     fn with_others_that_touch(&self, touched: &Touched, goes_out: bool) -> Option<Touched> {
-        let (mut longer, mut at, mut own) =
-            (touched.shooting.clone(), touched.at.clone(), touched.index);
+        // As well as it is known: what touches as well does so to rounding.
+        let (mut longer, mut at, mut own) = (
+            touched.shooting.clone(),
+            touched.told.clone(),
+            touched.index,
+        );
         longer.evaluate(&at).ok()?;
         let others = touches_beside(&mut longer, &at, own).ok()?;
         let gaps = |guard: &GuardKind| matches!(guard, GuardKind::Gap(_));
@@ -158,13 +168,13 @@ impl Walker {
             return None;
         }
         let all = self.shooting.with_others_that_touch(touched, false)?;
-        let count = all.shooting.slower_than(SLOW).len() as u64;
+        let count = all.shooting.struck() - self.shooting.struck();
         let told = self.special.len();
         let next = self.comes_in_together(station, all, there)?;
         self.leaves_by(told, touched);
         // Each is told, with as many impacts as have come in before it.
         let known = self.special.get(told).cloned()?;
-        for more in 1..count {
+        for more in 1..count as u64 {
             let mut special = known.clone();
             special.point.impacts = special.point.impacts.map(|impacts| impacts + more);
             self.special.push(special);
