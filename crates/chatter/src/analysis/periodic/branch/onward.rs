@@ -520,10 +520,8 @@ pub(super) fn touch_between(
         (at_ends.into_iter()).min_by(|a, b| a.1.value.abs().total_cmp(&b.1.value.abs()));
     let inner = inner.into_iter();
     let smallest = inner.min_by(|a, b| a.1.value.abs().total_cmp(&b.1.value.abs()));
-    let touches = smallest.and_then(|(index, least)| {
-        let longer = shooting.with_event(at, index, &least).ok()?;
-        Touched::solve(longer).ok()
-    });
+    let touches =
+        smallest.and_then(|(index, least)| shooting.touched_or_turned(at, (index, &least)).ok());
     // Or, where the surface is crossed, the flow beyond turns back to it as soon as it begins.
     let crossings = shooting.steps.iter().enumerate();
     let crossings = crossings.filter_map(|(index, step)| Some((index, step.ends_at()?)));

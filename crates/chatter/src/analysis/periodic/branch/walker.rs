@@ -1,7 +1,7 @@
 //! One side of a branch, station by station.
 
 use super::between::STANDS;
-use super::changes::holds::broken;
+use super::changes::holds::{broken, jumps_back};
 use super::changes::touch::STAYS;
 use super::ends::accumulation::accumulates;
 use super::ends::growth::growth;
@@ -47,6 +47,8 @@ const CLOSE: f64 = 1e-4;
 const OF_NOTE: f64 = 2e-3;
 /// Parameters differ by so much of their size where they tell which way a branch goes.
 const HEADED: f64 = 1e-10;
+/// A step that leads to another solution is made so much shorter.
+const SHORTER: f64 = 0.4;
 /// After so many points each the period is looked at.
 const LOOKED_BACK: usize = 8;
 /// Points nearer than this to the latest, in parts of a step, are not kept: at a border they accumulate.
@@ -254,6 +256,13 @@ impl Walker {
             }
             let least = self.shooting.least(&next.at).unwrap_or_default();
             let broken = broken(&self.shooting, &least);
+            let shorter = SHORTER * step;
+            if shorter >= self.limits.settings().shortest_step
+                && jumps_back(&self.shooting, (&curve.station, step), &broken)
+            {
+                curve.step = shorter;
+                continue;
+            }
             if !broken.is_empty() {
                 walked.grazes += 1;
                 let ends = (&curve.station, &next);

@@ -533,3 +533,31 @@ fn nothing_is_followed_where_doubled_orbits_end() {
     // Those beside special points are not listed.
     assert!(told < listed + listed / 10, "{told} orbits for {listed}");
 }
+
+/// A mass that rests against a stop by complete chatter, pressed upon by friction guides. Where it comes to hold at the top of its flight for a moment the field
+/// turns back as the fall begins, by the flight in forty digits; and where the pull is no more than load and friction it rests for good. Beside that chatter comes to
+/// nothing, and its lowest flights are solved for backwards in time as well.
+#[test]
+fn touches_beside_chatter_are_told_once() {
+    const SLIDER: &str = r#"
+[parameters]
+b = 1.059
+[flight]
+x = "v"
+v = "1.5*cos(1.3*t) - x - b - 0.06*v - 0.25*sign(v)"
+[[contact]]
+name = "stop"
+gap = "x"
+impulse = { v = 1 }
+restitution = 0.6
+[initial]
+x = 0.5
+v = 0
+"#;
+    let found = over(&with(SLIDER, &[]), "b", (1.058, 1.3), (40, 0.5));
+    let touches: Vec<f64> = found[0].special.iter().map(value).collect();
+    let expected = [1.059_919_261_099_330_9, 1.25];
+    assert_eq!(touches.len(), expected.len(), "{touches:?}");
+    assert!((touches.iter().zip(expected)).all(|(touch, at)| (touch - at).abs() < 1e-13));
+    assert_eq!(found[0].ends, [End::Range, End::Range]);
+}

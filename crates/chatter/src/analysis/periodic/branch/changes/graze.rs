@@ -419,12 +419,8 @@ impl Walker {
         }
         self.settle(station);
         if let GuardKind::Leave(surface, _) = guard {
-            let turn = (self.shooting)
-                .with_turn_at_start(&station.at, (index, GuardKind::Switch(surface)));
-            let Ok(turn) = turn else { return false };
-            let (start, scales) = (turn.1.clone(), turn.0.scales().to_vec());
-            let touched = Touched::solve(turn).ok();
-            let touched = touched.filter(|touched| moved(&touched.at, &start, &scales) <= THERE);
+            let begins = (index, GuardKind::Switch(surface));
+            let touched = self.shooting.turned_at_start(&station.at, begins).ok();
             let is_found = touched.is_some();
             if let Some(touched) = touched {
                 self.note_touch(there, touched);
@@ -566,13 +562,9 @@ impl Walker {
             .ok_or("the touch is lost")?
             .clone();
         if self.shooting.begins_at(index, guard) {
-            let turn = (self.shooting).with_turn_at_start(&station.at, (index, guard));
-            let turn = turn.map_err(|error| error.to_string())?;
-            let (start, scales) = (turn.1.clone(), turn.0.scales().to_vec());
             // Elsewhere it is the way from the surface that touches it once more.
-            let touched = Touched::solve(turn);
-            let is_near = |touched: &Touched| moved(&touched.at, &start, &scales) <= THERE;
-            if let Some(touched) = touched.ok().filter(is_near) {
+            let turned = (self.shooting).turned_at_start(&station.at, (index, guard));
+            if let Ok(touched) = turned {
                 self.note_touch(there, touched);
                 return Err(
                     "beyond a surface that was crossed the flow turns back to it".to_owned(),
@@ -585,7 +577,7 @@ impl Walker {
         if let GuardKind::Reaction(_) = guard {
             return self.opens(station, (index, &touching), there);
         }
-        let touched = self.touched(&station.at, (index, &touching));
+        let touched = self.shooting.touched(&station.at, (index, &touching));
         if !matches!(guard, GuardKind::Gap(_)) {
             match touched {
                 Ok(touched) => self.note_touch(there, touched),

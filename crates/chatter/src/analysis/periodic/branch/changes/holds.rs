@@ -425,6 +425,46 @@ pub(crate) fn first_break(
     first
 }
 
+/// What passes zero comes below this part of what it is to both sides.
+const VANISHES: f64 = 1e-4;
+
+/// Whether an event has not passed the one before, but jumped beyond it, on the way to the station `step` ahead, which was evaluated last: it is met from the wrong
+/// side, and the time between both has no zero. So it is where a low flight is solved for backwards in time.
+pub(in crate::analysis::periodic::branch) fn jumps_back(
+    shooting: &Shooting<f64>,
+    (from, step): (&Station, f64),
+    broken: &[Broken],
+) -> bool {
+    let passed = broken.iter().filter_map(|broken| match *broken {
+        Broken::Passed(index) => Some(index),
+        _ => None,
+    });
+    let backwards = passed.filter_map(|index| {
+        let landing = shooting.latest.get(index)?;
+        let is_wrong = landing.surface_rate > 0.0 && shooting.steps[index].impact().is_some();
+        is_wrong.then_some((index, landing.duration))
+    });
+    backwards.into_iter().any(|(index, after)| {
+        let Some(place) = shooting.duration_place(index) else {
+            return false;
+        };
+        let ends = (from.at[place], after);
+        let mut least = f64::INFINITY;
+        let found = locate(
+            &mut shooting.clone(),
+            from,
+            step,
+            ends,
+            &mut |_, station| {
+                let lasts = station.at[place];
+                least = least.min(lasts.abs());
+                Some(lasts)
+            },
+        );
+        found.is_some() && least > VANISHES * ends.0.abs().min(ends.1.abs())
+    })
+}
+
 /// So often what breaks hides something that did before it.
 const HIDDEN: usize = 4;
 /// This part of the way before a break.

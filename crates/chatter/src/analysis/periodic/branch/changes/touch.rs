@@ -381,14 +381,48 @@ impl Shooting<f64> {
             return Ok(touched);
         }
         let (shorter, at, index) = self.without_way_onto(at, index).map_err(told)?;
-        let turn = shorter.with_turn_at_start(&at, (index, guard));
-        let turn = turn.map_err(told)?;
+        shorter.turned_at_start(&at, (index, guard))
+    }
+
+    /// Where the flow turns back to a surface that is crossed as a step begins: the rate of its guard vanishes there.
+    pub(in crate::analysis::periodic::branch) fn turned_at_start(
+        &self,
+        at: &[f64],
+        begins: (usize, GuardKind),
+    ) -> Result<Touched, String> {
+        let turn = self.with_turn_at_start(at, begins);
+        let turn = turn.map_err(|error| error.to_string())?;
         let (start, scales) = (turn.1.clone(), turn.0.scales().to_vec());
         let touched = Touched::solve(turn)?;
         if moved(&touched.at, &start, &scales) > THERE {
-            return Err("where a stay takes no time only another place is found".to_owned());
+            return Err("where a flow turns back only another place is found".to_owned());
         }
         Ok(touched)
+    }
+
+    /// Where the least value of a guard on a step vanishes: as the step begins if that is just beyond its surface, where with the way to that value for an
+    /// unknown the root would be twofold.
+    pub(in crate::analysis::periodic::branch) fn touched_or_turned(
+        &self,
+        at: &[f64],
+        (index, least): (usize, &Least),
+    ) -> Result<Touched, String> {
+        if self.begins_at(index, least.guard)
+            && let Ok(turned) = self.turned_at_start(at, (index, least.guard))
+        {
+            return Ok(turned);
+        }
+        self.touched(at, (index, least))
+    }
+
+    /// Where the least value that a guard has on a step vanishes.
+    pub(super) fn touched(
+        &self,
+        at: &[f64],
+        (index, least): (usize, &Least),
+    ) -> Result<Touched, String> {
+        let longer = self.with_event(at, index, least);
+        Touched::solve(longer.map_err(|error| error.to_string())?)
     }
 
     /// The same without another that is over as well, and where both take no time at all at once.
@@ -577,16 +611,6 @@ impl Touched {
 }
 
 impl Walker {
-    /// Where the least value that a guard has on a step vanishes.
-    pub(super) fn touched(
-        &self,
-        at: &[f64],
-        (index, least): (usize, &Least),
-    ) -> Result<Touched, String> {
-        let longer = self.shooting.with_event(at, index, least);
-        Touched::solve(longer.map_err(|error| error.to_string())?)
-    }
-
     /// Notes a touch that the branch has passed, with its own equations.
     pub(in crate::analysis::periodic::branch) fn note_passed_touch(
         &mut self,

@@ -25,7 +25,7 @@ impl Walker {
         touch: (usize, &Least),
         there: &Point,
     ) -> Result<Station, String> {
-        let touched = self.touched(&station.at, touch)?;
+        let touched = self.shooting.touched(&station.at, touch)?;
         self.opens_beyond(station, touched, there)
     }
 
@@ -77,7 +77,7 @@ impl Walker {
         let forces = self.shooting.least_forces(&station.at).ok()?;
         let (index, least) = (forces.iter())
             .min_by(|a, b| (a.1.value / a.1.size).total_cmp(&(b.1.value / b.1.size)))?;
-        let touched = self.touched(&station.at, (*index, least)).ok()?;
+        let touched = self.shooting.touched(&station.at, (*index, least)).ok()?;
         let scale = self.shooting.scales().last().copied()?;
         let off = (touched.at.last()? - station.parameter()).abs();
         if off > THERE * self.limits.longest_step * scale + touched.error {
