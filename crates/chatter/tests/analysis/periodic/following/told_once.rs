@@ -534,12 +534,8 @@ fn nothing_is_followed_where_doubled_orbits_end() {
     assert!(told < listed + listed / 10, "{told} orbits for {listed}");
 }
 
-/// A mass that rests against a stop by complete chatter, pressed upon by friction guides. Where it comes to hold at the top of its flight for a moment the field
-/// turns back as the fall begins, by the flight in forty digits; and where the pull is no more than load and friction it rests for good. Beside that chatter comes to
-/// nothing, and its lowest flights are solved for backwards in time as well.
-#[test]
-fn touches_beside_chatter_are_told_once() {
-    const SLIDER: &str = r#"
+/// A mass in guides that rub, against a stop at rest.
+const GUIDED: &str = r#"
 [parameters]
 b = 1.059
 [flight]
@@ -554,10 +550,30 @@ restitution = 0.6
 x = 0.5
 v = 0
 "#;
-    let found = over(&with(SLIDER, &[]), "b", (1.058, 1.3), (40, 0.5));
+
+/// The touches of a branch over b that goes through its range, as `expected`.
+fn check_the_guided((start, range, step): (&str, (f64, f64), f64), expected: &[f64]) {
+    let found = over(&with(GUIDED, &[("b", start)]), "b", range, (40, step));
     let touches: Vec<f64> = found[0].special.iter().map(value).collect();
-    let expected = [1.059_919_261_099_330_9, 1.25];
     assert_eq!(touches.len(), expected.len(), "{touches:?}");
     assert!((touches.iter().zip(expected)).all(|(touch, at)| (touch - at).abs() < 1e-13));
     assert_eq!(found[0].ends, [End::Range, End::Range]);
+}
+
+/// A mass that rests against a stop by complete chatter, pressed upon by friction guides. Where it comes to hold at the top of its flight for a moment the field
+/// turns back as the fall begins, by the flight in forty digits; and where the pull is no more than load and friction it rests for good. Beside that chatter comes to
+/// nothing, and its lowest flights are solved for backwards in time as well.
+#[test]
+fn a_touch_beside_chatter_is_told_once() {
+    check_the_guided(("1.04", (1.03, 1.2), 0.2), &[1.059_919_261_099_330_9]);
+}
+
+/// The same up to where the mass comes to rest all along.
+#[test]
+#[ignore = "takes ten seconds"]
+fn touches_beside_chatter_are_told_once() {
+    check_the_guided(
+        ("1.059", (1.058, 1.3), 0.5),
+        &[1.059_919_261_099_330_9, 1.25],
+    );
 }

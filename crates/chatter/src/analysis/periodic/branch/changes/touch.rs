@@ -23,6 +23,8 @@ use crate::flow::leg::{Jump, Least, LegKind};
 pub(in crate::analysis::periodic) const STAYS: [f64; 3] = [1e-3, 1e-4, 1e-5];
 /// A stay that takes less than this part of the period has come to its end.
 pub(in crate::analysis::periodic) const VANISHED: f64 = 1e-6;
+/// One of two solutions that is farther from where both are looked for by this factor is another touch.
+const FARTHER: f64 = 2.0;
 /// Between a crossing and the way back no time is left: less than this part of the period.
 pub(in crate::analysis::periodic::branch) const NO_TIME: f64 = 1e-2;
 
@@ -401,18 +403,25 @@ impl Shooting<f64> {
     }
 
     /// Where the least value of a guard on a step vanishes: as the step begins if that is just beyond its surface, where with the way to that value for an
-    /// unknown the root would be twofold.
+    /// unknown the root would be twofold. The flow may turn back there elsewhere, too, which is another touch.
     pub(in crate::analysis::periodic::branch) fn touched_or_turned(
         &self,
         at: &[f64],
         (index, least): (usize, &Least),
     ) -> Result<Touched, String> {
-        if self.begins_at(index, least.guard)
-            && let Ok(turned) = self.turned_at_start(at, (index, least.guard))
-        {
-            return Ok(turned);
+        let touched = self.touched(at, (index, least));
+        if !self.begins_at(index, least.guard) {
+            return touched;
         }
-        self.touched(at, (index, least))
+        let Ok(turned) = self.turned_at_start(at, (index, least.guard)) else {
+            return touched;
+        };
+        let off = |found: &Touched| found.at.last().zip(at.last()).map(|(a, b)| (a - b).abs());
+        let is_farther = |touched: &Touched| off(&turned) > off(touched).map(|off| FARTHER * off);
+        match touched {
+            Ok(touched) if is_farther(&touched) => Ok(touched),
+            _ => Ok(turned),
+        }
     }
 
     /// Where the least value that a guard has on a step vanishes.
