@@ -96,3 +96,38 @@ fn a_family_at_zero_does_not_fold() {
         assert!(at_zero.count() > 5, "{step}");
     }
 }
+
+/// A wheelset in rails with clearance hunts: at V = 1/sqrt(2) it is a linear oscillator without damping until it touches both flanges, half a period from
+/// each other. Rounding has one of these touches end before the other.
+#[test]
+fn a_family_begins_at_two_symmetric_touches_wherever_from() {
+    let text = r#"
+    [parameters]
+    V = 2
+    [flight]
+    y = "v"
+    v = "-2*(v/V - psi) - y - 20*(y - clamp(y, -0.3, 0.3))"
+    psi = "om"
+    om = "-2*(0.5*om/V + y) - psi"
+    [section.mid]
+    surface = "y"
+    direction = "rising"
+    [initial]
+    y = 0.2
+    v = 0
+    psi = 0
+    om = 0
+    "#;
+    for (start, range) in [("1", (0.5, 4.0)), ("1", (0.6, 1.05)), ("2", (0.5, 4.0))] {
+        let model = with(text, &[("V", start)]);
+        let found = over(&model, "V", range, (4, 0.01));
+        let special = &found[0].special;
+        let kinds: Vec<SpecialKind> = special.iter().map(|s| s.kind).collect();
+        let context = format!("{start} {range:?}");
+        assert_eq!(kinds, [SpecialKind::Hopf, SpecialKind::Touch], "{context}");
+        for special in special {
+            assert!((value(special) - 0.5_f64.sqrt()).abs() < 1e-12, "{context}");
+        }
+        assert_eq!(found[0].ends, [End::Equilibrium, End::Range], "{context}");
+    }
+}

@@ -164,7 +164,13 @@ impl Shooting<f64> {
         let (mut shooting, mut at, mut first) = (self, at, first);
         loop {
             let all = shooting.stays_that_vanish(Some(first));
-            let Some(&other) = all.iter().find(|&&other| other != first) else {
+            // Where rounding has the shortest end before it begins, the equations with it are left as soon as another is gone.
+            let lasts = |&index: &usize| {
+                let place = shooting.duration_place(shooting.after(index));
+                place.map_or(f64::INFINITY, |place| at[place])
+            };
+            let shortest = all.iter().min_by(|a, b| lasts(a).total_cmp(&lasts(b)));
+            let Some(&other) = shortest.filter(|_| all.len() > 1) else {
                 return Ok((shooting, at, first));
             };
             let left = |left: Left| PeriodicError::NoConvergence {
