@@ -119,12 +119,19 @@ fn within(mut branch: Branch, impacts: u64) -> Option<Branch> {
     if first > 0 {
         branch.points.truncate(first);
         let is_before = |s: &Special| s.place < first || s.place == first && !is_over(&s.point);
-        branch.special.retain(is_before);
+        let last = branch.special.iter().rfind(|s| is_before(s));
+        // Of several that graze at once some are told with more.
+        let with_last = last.map(|last| (last.place, last.told_as()));
+        let is_kept = |s: &Special| is_before(s) || Some((s.place, s.told_as())) == with_last;
+        branch.special.retain(is_kept);
         branch.ends[1] = End::Impacts(impacts);
     } else if last < count {
         branch.points.drain(..last);
         let is_after = |s: &Special| s.place > last || s.place == last && !is_over(&s.point);
-        branch.special.retain(is_after);
+        let first = branch.special.iter().find(|s| is_after(s));
+        let with_first = first.map(|first| (first.place, first.told_as()));
+        let is_kept = |s: &Special| is_after(s) || Some((s.place, s.told_as())) == with_first;
+        branch.special.retain(is_kept);
         branch.special.iter_mut().for_each(|s| s.place -= last);
         branch.ends[0] = End::Impacts(impacts);
     } else {

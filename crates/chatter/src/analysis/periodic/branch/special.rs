@@ -261,7 +261,7 @@ impl Special {
     }
 
     /// What those share that were told as one: their kind, and the parameter to the bit.
-    pub(super) fn told_as(&self) -> (SpecialKind, u64) {
+    pub(in crate::analysis::periodic) fn told_as(&self) -> (SpecialKind, u64) {
         (self.kind, self.point.parameter().to_bits())
     }
 

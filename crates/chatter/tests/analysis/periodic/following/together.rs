@@ -197,6 +197,36 @@ fn both_grazes_of_a_cycle_without_a_clock_are_told_alike_from_either_side() {
     }
 }
 
+/// A driven mass strikes each of two stops several times, ever more slowly: where both flights that come next are touched at once there are slow impacts
+/// before them. Each of the two grazes is told once, with one impact less than before it, and folds beside it say that the branch turns back. Values by
+/// flights in closed form with 40 digits.
+#[test]
+fn impacts_that_are_slow_already_do_not_graze_with_those_of_both_stops() {
+    let text = "[parameters]\nw = 0.452\nd = 0.7698\n[flight]\nx = \"v\"\nv = \"1.1041*cos(w*t) - 0.2672*v - x\"\n[[contact]]\nname = \"right\"\n\
+        gap = \"d - x\"\nimpulse = { v = -1 }\nrestitution = 0.3905\n[[contact]]\nname = \"left\"\ngap = \"d + x\"\n\
+        impulse = { v = 1 }\nrestitution = 0.3905\n[section.strobe]\nsurface = \"sin(w*t)\"\ndirection = \"rising\"\n[initial]\n\
+        x = 0\nv = 0.1\n";
+    let expected = [
+        (0.769_880_448_630_845_4, 13),
+        (0.769_880_448_630_845_4, 12),
+        (0.772_611_997_742_175_2, 11),
+        (0.772_611_997_742_175_2, 10),
+    ];
+    for start in ["0.7698", "0.7724"] {
+        let model = with(text, &[("d", start)]);
+        let found = over(&model, "d", (0.7695, 0.773), (14, 0.05));
+        let grazes = found[0].special.iter().filter(|s| s.kind.is_graze());
+        let mut grazes: Vec<_> = grazes.collect();
+        grazes.sort_by_key(|graze| graze.point.impacts.map(|impacts| 20 - impacts));
+        assert_eq!(grazes.len(), expected.len(), "{start}: {grazes:?}");
+        for (graze, (at, impacts)) in grazes.into_iter().zip(expected) {
+            assert!((value(graze) - at).abs() < 1e-14, "{start}: {graze:?}");
+            assert_eq!(graze.point.impacts, Some(impacts), "{start}");
+            assert_eq!(graze.persists, Some(false), "{start}");
+        }
+    }
+}
+
 /// A piston that tilts between two walls, its own mirror image after half a period: with sixteen impacts it touches both at once, and goes on with eighteen. Beside a
 /// branch point what is off by rounding there is many times that. The value is by shooting over half a period with closed forms of the flights.
 #[test]

@@ -20,27 +20,44 @@ const SLOW: f64 = 1e-2;
 const PROBE: f64 = 1e-4;
 
 impl Shooting<f64> {
+    /// The slowest impact of each contact, of those that may be about to lose their rates; the slowest of all comes first. Faster ones of the same contact are
+    /// impacts before it, as of chatter.
+    fn slowest_of_each(&self) -> Vec<usize> {
+        let rate = |index: usize| self.latest[index].surface_rate.abs();
+        let mut slow = self.slower_than(SLOW);
+        slow.sort_by(|&a, &b| rate(a).total_cmp(&rate(b)));
+        let mut struck = Vec::with_capacity(slow.len());
+        slow.retain(|&index| {
+            let contact = self.steps[index].impact();
+            let is_first = !struck.contains(&contact);
+            struck.push(contact);
+            is_first
+        });
+        slow
+    }
+
     /// The graze of one of the impacts that are about to lose their rates, by equations without the others, which touch there as well, and how many
     /// those are. None where no others do.
     fn graze_together(&self, at: &[f64]) -> Option<(Touched, usize)> {
-        let slow = self.slower_than(SLOW);
-        let others = slow.len().checked_sub(1).filter(|&others| others > 0)?;
-        // Several at one contact are chatter.
-        let mut struck: Vec<_> = slow.iter().map(|&k| self.steps[k].impact()).collect();
-        struck.sort_unstable();
-        if struck.windows(2).any(|pair| pair[0] == pair[1]) {
-            return None;
-        }
+        let others = self.slowest_of_each().len().checked_sub(1);
+        let others = others.filter(|&others| others > 0)?;
         let (mut fewer, mut guess) = (self.clone(), at.to_vec());
         let mut contacts = Vec::with_capacity(others);
         for _ in 0..others {
             fewer.evaluate(&guess).ok()?;
-            let other = *fewer.slower_than(SLOW).last()?;
+            let is_new = |&k: &usize| {
+                fewer.steps[k]
+                    .impact()
+                    .is_some_and(|of| !contacts.contains(&of))
+            };
+            let other = { fewer.slowest_of_each().into_iter() }
+                .filter(is_new)
+                .max()?;
             contacts.push(fewer.steps[other].impact()?);
             (fewer, guess, _) = fewer.without_event(&guess, other).ok()?;
         }
         fewer.evaluate(&guess).ok()?;
-        let index = *fewer.slower_than(SLOW).first()?;
+        let index = *fewer.slowest_of_each().first()?;
         let scales = fewer.scales().to_vec();
         let mut touched = Touched::solve((fewer, guess.clone(), index)).ok()?;
         // Those that are left out were there with the rates that they had.
@@ -147,6 +164,11 @@ impl Walker {
         if let Some((last, all)) = self.special[told..].split_last_mut() {
             for special in all {
                 special.kind = last.kind;
+                special
+                    .point
+                    .multipliers
+                    .clone_from(&last.point.multipliers);
+                special.point.modulus_error = last.point.modulus_error;
             }
             let left = |all: u64| all.saturating_sub(others as u64 + 1);
             last.point.impacts = there.impacts.map(left);
