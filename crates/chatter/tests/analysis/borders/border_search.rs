@@ -355,3 +355,27 @@ fn a_border_that_few_impacts_come_near_is_found() {
         assert!(off.abs() < 1e-14, "{off:e}");
     }
 }
+
+/// With little restitution four impacts shrink a sequence as far as limits need, and as few are no sequence: one more is followed. Values are those of bisection
+/// with 36 digits.
+#[test]
+fn borders_of_little_restitution_are_found() {
+    let text = "[parameters]\nG = 2.5\nr = 0.07\n[flight]\ny = \"v\"\nv = \"-1\"\n[[contact]]\nname = \"table\"\ngap = \"y - G*sin(t)\"\n\
+        impulse = { v = 1 }\nrestitution = \"r\"\n[section.s]\nsurface = \"sin(t)\"\ndirection = \"rising\"\n[initial]\ny = 6\nv = 0\n";
+    let known = [
+        ("0.0744", 2.619_110_387_888_6),
+        ("0.07", 2.639_930_194_589_9),
+        ("0.06", 2.689_873_714_855_2),
+    ];
+    for (restitution, expected) in known {
+        let model = with(text, &[("r", restitution)]);
+        let found = borders(&model, "G", expected - 0.01, expected + 0.005);
+        let values = found.borders.iter().map(|border| border.value.value);
+        let off = |value: f64| (value - expected).abs();
+        let nearest = values.min_by(|a, b| off(*a).total_cmp(&off(*b)));
+        assert!(
+            nearest.is_some_and(|value| off(value) < 1e-12),
+            "{restitution} {nearest:?}"
+        );
+    }
+}

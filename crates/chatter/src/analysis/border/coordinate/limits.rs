@@ -36,7 +36,7 @@
 use super::super::error::{BorderError, Lack};
 use super::super::problem::Here;
 use super::super::release::equations::ReleasePoint;
-use super::sequence::{Impact, Sequence};
+use super::sequence::{Impact, SHORTEST, Sequence};
 use crate::analysis::universal::Constants;
 use crate::numerics::{Estimate, Plan, Real, limit, ratios};
 use serde::{Deserialize, Serialize};
@@ -96,7 +96,7 @@ impl<R: Real> Here<'_, R> {
         let tail = TAIL_POWER * libm::log(R::ROUNDOFF) / ln_lambda;
         let impacts = extrapolation
             .impacts
-            .unwrap_or((libm::ceil(tail) as usize).max(4));
+            .unwrap_or((libm::ceil(tail) as usize).max(SHORTEST + 1));
         // u* = g(u*, r) with dg/dr = g / r and dg/du = 1 / eta.
         let fixed_point_slope = constants.chatter_fixed_point / constants.restitution
             * (-constants.eta / constants.one_minus_eta);
