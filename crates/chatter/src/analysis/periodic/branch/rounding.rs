@@ -45,12 +45,17 @@ impl Shooting<f64> {
         })
     }
 
-    /// Whether a flight from one impact of a contact to the next, be it across the surface that its rate turns with, as that of friction, takes no time:
-    /// what comes in after it as a stay would be over as it begins.
+    /// The step that a flight begins with which comes to its end with another one: that before, if it is across the surface that its rate turns with, as
+    /// that of friction.
+    pub(super) fn flight_begins(&self, end: usize) -> usize {
+        let before = self.before(end);
+        if self.turns(before) { before } else { end }
+    }
+
+    /// Whether a flight from one impact of a contact to the next takes no time: what comes in after it as a stay would be over as it begins.
     pub(super) fn has_brief_flight(&self) -> bool {
         (0..self.steps.len()).any(|end| {
-            let before = self.before(end);
-            let begin = if self.turns(before) { before } else { end };
+            let begin = self.flight_begins(end);
             let contact = self.steps[end].impact();
             let follows = contact.is_some() && self.steps[self.before(begin)].impact() == contact;
             let of = |index: usize| self.latest.get(index).map_or(0.0, |l| l.duration);

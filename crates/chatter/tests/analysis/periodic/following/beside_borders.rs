@@ -57,3 +57,30 @@ fn chatter_ends_where_friction_holds_what_is_left_of_it_in_the_air() {
     assert!((value(graze) - 0.447_652_766_278_69).abs() < 1e-13);
     assert_eq!(graze.persists, Some(true));
 }
+
+/// A block slides on a seesaw with dry friction. Its chatter at an end ends where friction begins to hold in the air what is left of it: orbits with fewer impacts
+/// come up to there, as far as flights are told from rounding, and lead to those beyond.
+#[test]
+#[ignore = "takes ten seconds"]
+fn orbits_that_friction_holds_in_the_air_lead_to_chatter() {
+    let text = "[parameters]\nw = 0.938\n[definitions]\nth = \"0.5*sin(w*t)\"\n[flight]\nx = \"u\"\n\
+        u = \"-sin(th) + x*(0.5*w*cos(w*t))^2 - 0.2*cos(th)*sign(u)\"\n[[contact]]\nname = \"right\"\ngap = \"1.5 - x\"\n\
+        impulse = { u = -1 }\nrestitution = 0.4\n[[contact]]\nname = \"left\"\ngap = \"1.5 + x\"\nimpulse = { u = 1 }\n\
+        restitution = 0.4\n[initial]\nx = 0\nu = 0\n";
+    let found = over(&with(text, &[]), "w", (0.938, 0.945), (12, 0.01));
+    let [arcs, complete] = &found[..] else {
+        panic!("{} branches", found.len());
+    };
+    assert!(
+        matches!(arcs.ends, [End::Range, End::Rounding(5..)]),
+        "{:?}",
+        arcs.ends
+    );
+    assert_eq!(complete.ends, [End::ChatterBorder, End::Range]);
+    let border = &complete.special[0];
+    assert_eq!(border.kind, SpecialKind::ChatterBorder);
+    assert!(border.error < 1e-8, "{border:?}");
+    let impacts = arcs.special.iter().map(|s| s.point.impacts.unwrap());
+    assert_eq!(impacts.max(), Some(6));
+    assert!(arcs.special.iter().all(|s| value(s) < value(border)));
+}

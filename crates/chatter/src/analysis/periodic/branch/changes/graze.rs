@@ -465,7 +465,8 @@ impl Walker {
         (index, contact): (usize, usize),
         roundoffs: f64,
     ) -> bool {
-        let before = self.shooting.before(index);
+        let begin = self.shooting.flight_begins(index);
+        let before = self.shooting.before(begin);
         let follows = self.shooting.steps[before].impact() == Some(contact);
         let Ok(least) = self.shooting.least(&station.at) else {
             return true;
@@ -476,11 +477,12 @@ impl Walker {
         let (Some(touch), true) = (touch, follows) else {
             return true;
         };
-        let place = (index, contact);
+        let place = (begin, contact);
         let (rate, terms) = self.shooting.gap_rate(&station.at, place);
-        // From zero with this rate, and back to where both vanish: a cubic; a quartic from where a plastic impact leaves no rate.
+        // From zero with this rate, and back to where both vanish: a cubic; a quartic from where a plastic impact leaves no rate; up to where it turns.
         let height = match self.shooting.is_plastic((before, contact)) {
             true => self.shooting.gap_acceleration(&station.at, place) * touch.time.powi(2) / 32.0,
+            false if begin != index => 0.5 * (rate * self.shooting.latest[begin].duration).abs(),
             false => 4.0 / 27.0 * (rate * touch.time).abs(),
         };
         is_told(height, terms, roundoffs)
