@@ -1,7 +1,7 @@
 //! How near an orbit is to losing its sequence of events.
 
 use super::branch::legal;
-use super::cycle::itinerary::Step;
+use super::cycle::itinerary::{Passage, Step};
 use super::cycle::trace::{Instant, Tracer};
 use super::error::PeriodicError;
 use super::orbit::{cleaned, failed, told_start};
@@ -283,7 +283,7 @@ fn is_at_border(shooting: &Shooting<f64>, at: &[f64], is_left: bool) -> bool {
     // Beside rounding chatter may seem incomplete, and nothing be released after it.
     let released_at_once = match shortest_contact(shooting, at) {
         Some(shortest) => shortest <= AT_BORDER * shooting.period(),
-        None => is_left,
+        None => is_left || falls_short(shooting, at),
     };
     released_at_once
         || borders(shooting, at)
@@ -291,13 +291,29 @@ fn is_at_border(shooting: &Shooting<f64>, at: &[f64], is_left: bool) -> bool {
             .any(|border| border.value.abs() <= AT_BORDER)
 }
 
+/// Whether the motion has less complete chatter than the orbit is followed through, as right beyond a border, where rounding lets its equations pass.
+fn falls_short(shooting: &Shooting<f64>, at: &[f64]) -> bool {
+    (shooting.steps.iter().enumerate()).any(|(index, step)| {
+        let (_, instants) = shooting.instants_within(index, at);
+        let ends = instants
+            .iter()
+            .filter(|instant| instant.accumulated().is_some());
+        matches!(step.passage, Passage::Stretch(kind) if ends.count() < kind.accumulations)
+    })
+}
+
 /// The shortest time from the end of complete chatter to the release after it, if anything is released.
 pub(super) fn shortest_contact(shooting: &Shooting<f64>, at: &[f64]) -> Option<f64> {
     let all = (0..shooting.steps.len()).flat_map(|index| {
         let (_, instants) = shooting.instants_within(index, at);
         let contact_lasts = |(place, instant): (usize, &Instant)| {
+            let contact = instant.accumulates_at()?;
+            // At a border nothing may be left of it, nor of its release.
+            if !instant.closed.contains(contact) {
+                return Some(0.0);
+            }
             let release = instants[place..].iter().find(|next| next.is_release())?;
-            instant.accumulated().map(|_| release.time - instant.time)
+            Some(release.time - instant.time)
         };
         let all: Vec<f64> = instants
             .iter()

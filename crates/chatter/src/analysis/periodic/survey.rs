@@ -86,7 +86,10 @@ pub(crate) fn survey(
                     impacts: told.1.map_or(0, |own| own + 1).max(limits.impacts),
                     ..*limits
                 };
-                let found = follow(&shooting, &at, &wide, diary)?;
+                // Where no branch begins after all what was found stays.
+                let Ok(found) = follow(&shooting, &at, &wide, diary) else {
+                    continue;
+                };
                 let is_broken_off = found.ends.contains(&End::Interrupted);
                 if is_broken_off || comes_to(&found, &way, ahead.abs()) {
                     hops += 1;

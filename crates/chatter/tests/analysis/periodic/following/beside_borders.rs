@@ -84,3 +84,18 @@ fn orbits_that_friction_holds_in_the_air_lead_to_chatter() {
     assert_eq!(impacts.max(), Some(6));
     assert!(arcs.special.iter().all(|s| value(s) < value(border)));
 }
+
+/// A ball on a table that two harmonics shake. Right beyond its border equations still have a solution by rounding, of chatter that comes to no rest: it is
+/// the border all the same. Its value is that of other ranges, which come to it from before.
+#[test]
+fn a_border_is_told_though_rounding_has_gone_past_it() {
+    let text = "[parameters]\nG = 1.58\n[flight]\ny = \"v\"\nv = \"-1\"\n[[contact]]\nname = \"table\"\n\
+        gap = \"y - G*(sin(t) + 0.1578*sin(2*t + 2.2539))\"\nimpulse = { v = 1 }\nrestitution = 0.5537\n[section.s]\n\
+        surface = \"sin(t)\"\ndirection = \"rising\"\n[initial]\ny = 6\nv = 0\n";
+    let model = with(text, &[("G", "1.05")]);
+    let found = over(&model, "G", (1.05, 1.65), (1, 0.065_833_3));
+    assert_eq!(found[0].ends, [End::Range, End::ChatterBorder]);
+    let border = found[0].special.last().unwrap();
+    let off = (value(border) - 1.582_515_990_762_015).abs();
+    assert!(off < 1e-14 && border.error < 1e-14, "{border:?}");
+}

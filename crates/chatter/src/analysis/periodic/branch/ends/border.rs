@@ -15,6 +15,10 @@ const LOOKED_AT: f64 = 1e-7;
 /// Its coordinate is looked at here and so far back, in parts of the longest step, and the distance that this tells is known to a factor.
 const BORDER_STEP: f64 = 1e-3;
 const BORDER_ROOM: f64 = 2.0;
+/// Right beside it the period is that at the border but for this part.
+const SAME_PERIOD: f64 = 1e-3;
+/// A sequence whose contact is over at this part of the distance that a coordinate tells is another one.
+const OF_ANOTHER: f64 = 0.1;
 /// So many orbits come close to it one after the other.
 const LAST_ORBITS: usize = 4;
 /// There is one border in so short a range.
@@ -58,7 +62,11 @@ impl Walker {
         let told = nearest.map(|border| {
             if let Some(special) = self.special.last_mut() {
                 special.error = border.value.error;
-                special.point.period = border.period.value;
+                // A border orbit that is told from rest to rest may come to rest more often in a period.
+                let (own, period) = (special.point.period, border.period.value);
+                if (period - own).abs() <= SAME_PERIOD * own {
+                    special.point.period = period;
+                }
             }
             border.value.value
         });
@@ -109,6 +117,15 @@ impl Walker {
         let [here, _, halfway, before] = looked[..] else {
             return None;
         };
+        let gone = [halfway.0, before.0].map(|value| (value - here.0).abs());
+        let lasted = [here.2, halfway.2, before.2];
+        let by_contact = match lasted {
+            [Some(here), Some(next), Some(last)] => Some(Distance {
+                far: distance_by_power(gone, [here, next, last]).unwrap_or(gone[1]),
+                vanishes: None,
+            }),
+            _ => None,
+        };
         let coordinates: Option<Vec<(f64, f64)>> = (looked.iter())
             .map(|&(value, coordinate, _)| Some((coordinate?, value)))
             .collect();
@@ -118,17 +135,16 @@ impl Walker {
             // Without the nearest, where it is known least, the value tells what it may be off by.
             let [value, other] = [&known[..], &known[1..]].map(where_it_vanishes);
             let error = BORDER_ROOM * (value - other).abs() + roundoff(value);
-            return far.is_finite().then_some(Distance {
-                far,
-                vanishes: error.is_finite().then_some((value, error)),
-            });
+            // Where contact of another sequence is over sooner the coordinate is none of that.
+            let is_of_another = |contact: &Distance| contact.far < OF_ANOTHER * far;
+            if !by_contact.as_ref().is_some_and(is_of_another) {
+                return far.is_finite().then_some(Distance {
+                    far,
+                    vanishes: error.is_finite().then_some((value, error)),
+                });
+            }
         }
-        let gone = [halfway.0, before.0].map(|value| (value - here.0).abs());
-        let lasted = [here.2?, halfway.2?, before.2?];
-        Some(Distance {
-            far: distance_by_power(gone, lasted).unwrap_or(gone[1]),
-            vanishes: None,
-        })
+        by_contact
     }
 }
 
