@@ -9,6 +9,8 @@ use crate::analysis::periodic::multipliers::farthest;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::numerics::Complex;
 
+/// Where the square of a modulus may be off by this part multipliers are asked in longer numbers.
+const COARSE: f64 = 1e-6;
 /// Flights that are hardly higher than rounding of the gap are shorter than this part of the period.
 const SHORT: f64 = 1e-2;
 
@@ -21,13 +23,18 @@ const CHANGES: f64 = 0.1;
 
 impl Shooting<f64> {
     /// Multipliers at a station that was evaluated, and what their moduli may be off by. Impacts are told from each other by what gaps are between
-    /// them: where that is hardly more than rounding of the nodes, multipliers are those of the solution in longer numbers.
+    /// them: where that is hardly more than rounding of the nodes, or where entries of the matrix are so large that rounding of these shows, multipliers are
+    /// those of the solution in longer numbers.
     pub(in crate::analysis::periodic) fn multipliers_at(
         &self,
         station: &Station,
     ) -> (Vec<Complex>, f64) {
-        let longer = (self.has_low_flight(&station.at)).then(|| self.multipliers_beside(station));
-        (longer.flatten()).unwrap_or_else(|| self.multipliers_known())
+        let known = self.multipliers_known();
+        let largest = known.0.first().map_or(0.0_f64, |m| m.modulus());
+        let is_coarse = known.1.is_finite() && known.1 > COARSE * largest.max(1.0).powi(2);
+        let longer = (is_coarse || self.has_low_flight(&station.at))
+            .then(|| self.multipliers_beside(station));
+        longer.flatten().unwrap_or(known)
     }
 
     /// Whether a flight from one impact of a contact to the next is hardly higher than rounding of the gap.

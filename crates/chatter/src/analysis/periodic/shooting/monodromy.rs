@@ -81,10 +81,15 @@ impl<R: Real> Shooting<R> {
             .filter(|i| has_events || turning != Some(*i))
             .collect();
         let mut reduced = Matrix::zeros(kept.len(), kept.len());
+        let mut trace = R::ZERO;
         for (row, &i) in kept.iter().enumerate() {
             for (from, times) in self.workshop.closure.displacement(i) {
                 for (column, &k) in kept.iter().enumerate() {
-                    reduced[(row, column)] += (product[(from, k)] * R::splat(times)).to_f64();
+                    let part = product[(from, k)] * R::splat(times);
+                    reduced[(row, column)] += part.to_f64();
+                    if column == row {
+                        trace += part;
+                    }
                 }
             }
         }
@@ -104,16 +109,16 @@ impl<R: Real> Shooting<R> {
         found.truncate(known);
         let left = found.len().saturating_sub(self.lost());
         // What the largest rounds away of the others is nothing.
-        let unknown = ROUNDED * f64::EPSILON * largest;
-        let is_product_known =
-            left == 2 && found.len() == 2 && found[0].im == 0.0 && found[0].modulus() > unknown;
-        if is_product_known {
-            // The product of both is a sum of minors, known better than an eigenvalue that is far smaller than the other.
-            let minors = self.minors(&kept);
-            found[1] = Complex {
-                re: minors.to_f64() / found[0].re,
-                im: 0.0,
-            };
+        let mut unknown = ROUNDED * f64::EPSILON * largest;
+        let mut is_product_known = false;
+        if left == 2 && found.len() == 2 {
+            // Two are known by their sum and product, a sum of minors: an eigenvalue that is far smaller than the other, or than entries of the matrix,
+            // as those are between impacts with next to no rate, is lost in their rounding.
+            unknown *= 2.0 * R::ROUNDOFF / f64::EPSILON;
+            if let Some(pair) = with_sum_and_product(trace, self.minors(&kept)) {
+                is_product_known = pair[0].modulus() > unknown;
+                found = pair.to_vec();
+            }
         }
         for (place, value) in found.iter_mut().enumerate() {
             if place >= left || (!is_product_known && value.modulus() <= unknown) {
@@ -121,7 +126,8 @@ impl<R: Real> Shooting<R> {
             }
             *value = without_rounding(*value, unknown);
         }
-        (found, unknown * largest.max(1.0))
+        let shown = ROUNDED * f64::EPSILON;
+        (found, (unknown * largest.max(1.0)).max(shown))
     }
 
     /// Whether an impact has lost its rate: multipliers have a pole there.
@@ -241,6 +247,34 @@ impl<R: Real> Shooting<R> {
         }
         Some(product.to_f64())
     }
+}
+
+/// Two numbers, the larger first, with this sum and product. None where these are not finite.
+fn with_sum_and_product<R: Real>(sum: R, product: R) -> Option<[Complex; 2]> {
+    let half = sum * R::splat(0.5);
+    let apart = half * half - product;
+    if !apart.to_f64().is_finite() {
+        return None;
+    }
+    if apart < R::ZERO {
+        let (re, im) = (half.to_f64(), (-apart).sqrt().to_f64());
+        return Some([im, -im].map(|im| Complex { re, im }));
+    }
+    let root = apart.sqrt();
+    let larger = if half < R::ZERO {
+        half - root
+    } else {
+        half + root
+    };
+    let smaller = match larger == R::ZERO {
+        true => R::ZERO,
+        false => product / larger,
+    };
+    let real = |x: R| Complex {
+        re: x.to_f64(),
+        im: 0.0,
+    };
+    Some([larger, smaller].map(real))
 }
 
 /// The rate with which a leg ends, and what acceleration there makes in its time.

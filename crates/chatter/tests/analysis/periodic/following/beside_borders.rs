@@ -99,3 +99,34 @@ fn a_border_is_told_though_rounding_has_gone_past_it() {
     let off = (value(border) - 1.582_515_990_762_015).abs();
     assert!(off < 1e-14 && border.error < 1e-14, "{border:?}");
 }
+
+/// A ball with little restitution on a table that two harmonics shake. After its impacts with next to no rate entries of the matrix are so large that in doubles its
+/// eigenvalues were a complex pair, of any size: their product is r^2 for each impact. The doubling is that of flights with 50 digits.
+#[test]
+fn multipliers_are_known_where_entries_of_the_matrix_are_far_larger() {
+    let text = "[parameters]\nG = 1.557\n[flight]\ny = \"v\"\nv = \"-1\"\n[[contact]]\nname = \"table\"\n\
+        gap = \"y - G*(sin(t) + 0.3505*sin(2*t + 0.281))\"\nimpulse = { v = 1 }\nrestitution = 0.1184\n[section.s]\n\
+        surface = \"sin(t)\"\ndirection = \"rising\"\n[initial]\ny = 6\nv = 0\n";
+    let found = over(&with(text, &[]), "G", (1.05, 2.0), (7, 0.01));
+    let points = found.iter().flat_map(|branch| &branch.points);
+    let mut counted = 0;
+    for point in points.filter(|point| point.parameter() < 1.6) {
+        let (Some(impacts), [one, other]) = (point.impacts, &point.multipliers[..]) else {
+            continue;
+        };
+        if impacts < 7 {
+            continue;
+        }
+        assert!(one.im == 0.0 && other.im == 0.0, "{one:?} {other:?}");
+        let product = 0.1184_f64.powi(14);
+        let off = one.re * other.re / product - 1.0;
+        assert!(off.abs() < 1e-2, "{} {impacts} {off:e}", point.parameter());
+        counted += 1;
+    }
+    assert!(counted > 2, "{counted}");
+    let told = found.iter().flat_map(|branch| &branch.special);
+    let mut doublings =
+        told.filter(|s| s.kind == SpecialKind::PeriodDoubling && s.point.impacts == Some(7));
+    let doubling = doublings.next().unwrap();
+    assert!((value(doubling) - 1.557_317_490_717_893_3).abs() < 1e-14);
+}
