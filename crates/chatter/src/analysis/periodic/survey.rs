@@ -315,14 +315,13 @@ fn comes_to(found: &Branch, way: &Way, ahead: f64) -> bool {
             return false;
         }
         let (border, arcs) = if kinds[0] { (other, way) } else { (way, other) };
-        // Up to a number of impacts arcs come near to the border, and no farther: there they say what they tend to.
-        let is_short = matches!(arcs.end, End::Impacts(_));
-        match arcs.limit().filter(|_| is_short) {
-            Some((limit, left)) => (limit - border.value).abs() <= TENDS * left,
-            None => {
-                let part = if is_short { 1.0 } else { COMES_BACK };
-                (other.value - way.value).abs() <= part * ahead
-            }
+        // Up to a number of impacts, or to rounding, arcs come near to the border, and no farther: there they say what they tend to.
+        let tends =
+            { arcs.limit() }.map(|(limit, left)| (limit - border.value).abs() <= TENDS * left);
+        let comes_back = |part: f64| (other.value - way.value).abs() <= part * ahead;
+        match arcs.end {
+            End::Impacts(_) => tends.unwrap_or_else(|| comes_back(1.0)),
+            _ => comes_back(COMES_BACK) || tends == Some(true),
         }
     })
 }

@@ -130,3 +130,22 @@ fn multipliers_are_known_where_entries_of_the_matrix_are_far_larger() {
     let doubling = doublings.next().unwrap();
     assert!((value(doubling) - 1.557_317_490_717_893_3).abs() < 1e-14);
 }
+
+/// With so little restitution arcs are as low as rounding while they are still as far from the border as their last graze is: they are its arcs all the same, by what
+/// their grazes tend to.
+#[test]
+fn arcs_that_end_in_rounding_far_from_a_border_are_followed_beyond_it() {
+    let text = "[parameters]\nG = 1.557\n[flight]\ny = \"v\"\nv = \"-1\"\n[[contact]]\nname = \"table\"\n\
+        gap = \"y - G*(sin(t) + 0.3505*sin(2*t + 0.281))\"\nimpulse = { v = 1 }\nrestitution = 0.1184\n[section.s]\n\
+        surface = \"sin(t)\"\ndirection = \"rising\"\n[initial]\ny = 6\nv = 0\n";
+    let found = over(&with(text, &[]), "G", (1.55, 1.57), (9, 0.1));
+    let [complete, arcs] = &found[..] else {
+        panic!("{} branches", found.len());
+    };
+    assert_eq!(complete.ends, [End::Range, End::ChatterBorder]);
+    assert!(
+        matches!(arcs.ends, [End::Rounding(7..), End::Range]),
+        "{:?}",
+        arcs.ends
+    );
+}
