@@ -157,6 +157,13 @@ pub(super) fn joined(mut sides: Vec<Side>, between: Point) -> Result<Branch, Per
     let (Some(forward), Some(mut back)) = (forward, back) else {
         return Err(PeriodicError::Interrupted);
     };
+    // What comes back to where it began has been all the way around, wherever the other side has broken off.
+    if forward.end == End::Closed
+        && back.end != End::Closed
+        && let Some(none) = forward.without_other()
+    {
+        back = none;
+    }
     let behind = back.points.len();
     back.points.reverse();
     back.special.reverse();
@@ -204,4 +211,34 @@ fn side(
         Some(Then::Ended(end)) => return Ok(walker.side(end)),
     };
     walker.walk(stand, diary)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::point::tests::orbits;
+    use super::*;
+
+    /// Of as many points at these values.
+    fn side(values: core::ops::Range<u32>, end: End) -> Side {
+        Side {
+            points: orbits(|period| period, values.map(f64::from)),
+            special: Vec::new(),
+            end,
+        }
+    }
+
+    /// A side that comes back to where it began is all of a branch, whichever side it is.
+    #[test]
+    fn nothing_is_told_twice_of_a_branch_that_closes() {
+        let ends = |branch: &Branch| (branch.ends.clone(), branch.points.len());
+        let between = || orbits(|period| period, [0.0].into_iter()).remove(0);
+        let closed = [End::Closed, End::Closed];
+        let around = side(1..9, End::Closed);
+        let other = around.without_other().unwrap();
+        let first = joined(vec![around, other], between()).unwrap();
+        assert_eq!(ends(&first), (closed.clone(), 9));
+        let broken = side(1..4, End::Lost("a reason".to_owned()));
+        let second = joined(vec![broken, side(1..9, End::Closed)], between()).unwrap();
+        assert_eq!(ends(&second), (closed, 9));
+    }
 }
