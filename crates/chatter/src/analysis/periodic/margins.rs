@@ -294,11 +294,12 @@ fn is_at_border(shooting: &Shooting<f64>, at: &[f64], is_left: bool) -> bool {
 /// Whether the motion has less complete chatter than the orbit is followed through, as right beyond a border, where rounding lets its equations pass.
 fn falls_short(shooting: &Shooting<f64>, at: &[f64]) -> bool {
     (shooting.steps.iter().enumerate()).any(|(index, step)| {
+        let Passage::Stretch(kind) = step.passage else {
+            return false;
+        };
         let (_, instants) = shooting.instants_within(index, at);
-        let ends = instants
-            .iter()
-            .filter(|instant| instant.accumulated().is_some());
-        matches!(step.passage, Passage::Stretch(kind) if ends.count() < kind.accumulations)
+        let ends = instants.iter().filter_map(Instant::accumulated);
+        ends.count() < kind.accumulations
     })
 }
 
@@ -307,7 +308,7 @@ pub(super) fn shortest_contact(shooting: &Shooting<f64>, at: &[f64]) -> Option<f
     let all = (0..shooting.steps.len()).flat_map(|index| {
         let (_, instants) = shooting.instants_within(index, at);
         let contact_lasts = |(place, instant): (usize, &Instant)| {
-            let contact = instant.accumulates_at()?;
+            let (contact, _) = instant.accumulated()?;
             // At a border nothing may be left of it, nor of its release.
             if !instant.closed.contains(contact) {
                 return Some(0.0);

@@ -113,6 +113,8 @@ pub(crate) fn survey(
 /// The part of a branch that has no more impacts a period than these, from the one end or the other.
 fn within(mut branch: Branch, impacts: u64) -> Option<Branch> {
     let is_over = |point: &Point| point.impacts.is_some_and(|own| own > impacts);
+    // Of several that graze at once some are told with more than these: they stay with the outermost.
+    let told_at = |s: &Special| (s.place, s.told_as());
     let count = branch.points.len();
     let Some(first) = branch.points.iter().position(is_over) else {
         return Some(branch);
@@ -122,18 +124,15 @@ fn within(mut branch: Branch, impacts: u64) -> Option<Branch> {
     if first > 0 {
         branch.points.truncate(first);
         let is_before = |s: &Special| s.place < first || s.place == first && !is_over(&s.point);
-        let last = branch.special.iter().rfind(|s| is_before(s));
-        // Of several that graze at once some are told with more.
-        let with_last = last.map(|last| (last.place, last.told_as()));
-        let is_kept = |s: &Special| is_before(s) || Some((s.place, s.told_as())) == with_last;
+        let outermost = branch.special.iter().rfind(|s| is_before(s)).map(told_at);
+        let is_kept = |s: &Special| is_before(s) || Some(told_at(s)) == outermost;
         branch.special.retain(is_kept);
         branch.ends[1] = End::Impacts(impacts);
     } else if last < count {
         branch.points.drain(..last);
         let is_after = |s: &Special| s.place > last || s.place == last && !is_over(&s.point);
-        let first = branch.special.iter().find(|s| is_after(s));
-        let with_first = first.map(|first| (first.place, first.told_as()));
-        let is_kept = |s: &Special| is_after(s) || Some((s.place, s.told_as())) == with_first;
+        let outermost = branch.special.iter().find(|s| is_after(s)).map(told_at);
+        let is_kept = |s: &Special| is_after(s) || Some(told_at(s)) == outermost;
         branch.special.retain(is_kept);
         branch.special.iter_mut().for_each(|s| s.place -= last);
         branch.ends[0] = End::Impacts(impacts);

@@ -309,7 +309,7 @@ pub(crate) fn read(
             continue;
         }
         // A chatter sequence begins with its first impact.
-        let impacts = instant.accumulated().map_or(0, |count| count as usize);
+        let impacts = instant.accumulated().map_or(0, |(_, count)| count as usize);
         let accumulations = usize::from(instant.accumulated().is_some());
         let is_top = |step: usize| instants[begins.get(step + 1).copied().unwrap_or(from)].is_top;
         let first = first_of_chatter(&steps, is_top, impacts);

@@ -98,18 +98,12 @@ impl Instant {
         })
     }
 
-    /// The contact at which a chatter sequence ends here.
-    pub(crate) fn accumulates_at(&self) -> Option<usize> {
+    /// The contact at which a chatter sequence ends here, and how many impacts of it were told of before.
+    pub(crate) fn accumulated(&self) -> Option<(usize, u64)> {
         self.told.iter().find_map(|told| match *told {
-            Occurrence::Accumulation { contact, .. } => Some(contact),
-            _ => None,
-        })
-    }
-
-    /// How many impacts of a chatter sequence that ends here were told of before.
-    pub(crate) fn accumulated(&self) -> Option<u64> {
-        self.told.iter().find_map(|told| match *told {
-            Occurrence::Accumulation { impacts, .. } => Some(impacts),
+            Occurrence::Accumulation {
+                contact, impacts, ..
+            } => Some((contact, impacts)),
             _ => None,
         })
     }

@@ -2,6 +2,7 @@
 
 use crate::periodic::{over, value, with};
 use chatter::analysis::periodic::{End, Special, SpecialKind};
+use chatter::model::Model;
 
 /// A ball on a shaken table, whose flights next to its border are hardly higher than rounding of where it is. The product of both multipliers is 0.3^2 for
 /// each impact; in doubles it came out as 3000 times that, and -1 as -1.0001.
@@ -85,14 +86,21 @@ fn orbits_that_friction_holds_in_the_air_lead_to_chatter() {
     assert!(arcs.special.iter().all(|s| value(s) < value(border)));
 }
 
+/// A ball on a table that two harmonics shake: with this size and phase of the second, this restitution, and so much of both.
+fn on_a_table((size, phase): (&str, &str), restitution: &str, shaken: &str) -> Model {
+    let text = format!(
+        "[parameters]\nG = 1\n[flight]\ny = \"v\"\nv = \"-1\"\n[[contact]]\nname = \"table\"\n\
+        gap = \"y - G*(sin(t) + {size}*sin(2*t + {phase}))\"\nimpulse = {{ v = 1 }}\nrestitution = {restitution}\n\
+        [section.s]\nsurface = \"sin(t)\"\ndirection = \"rising\"\n[initial]\ny = 6\nv = 0\n"
+    );
+    with(&text, &[("G", shaken)])
+}
+
 /// A ball on a table that two harmonics shake. Right beyond its border equations still have a solution by rounding, of chatter that comes to no rest: it is
 /// the border all the same. Its value is that of other ranges, which come to it from before.
 #[test]
 fn a_border_is_told_though_rounding_has_gone_past_it() {
-    let text = "[parameters]\nG = 1.58\n[flight]\ny = \"v\"\nv = \"-1\"\n[[contact]]\nname = \"table\"\n\
-        gap = \"y - G*(sin(t) + 0.1578*sin(2*t + 2.2539))\"\nimpulse = { v = 1 }\nrestitution = 0.5537\n[section.s]\n\
-        surface = \"sin(t)\"\ndirection = \"rising\"\n[initial]\ny = 6\nv = 0\n";
-    let model = with(text, &[("G", "1.05")]);
+    let model = on_a_table(("0.1578", "2.2539"), "0.5537", "1.05");
     let found = over(&model, "G", (1.05, 1.65), (1, 0.065_833_3));
     assert_eq!(found[0].ends, [End::Range, End::ChatterBorder]);
     let border = found[0].special.last().unwrap();
@@ -104,10 +112,8 @@ fn a_border_is_told_though_rounding_has_gone_past_it() {
 /// eigenvalues were a complex pair, of any size: their product is r^2 for each impact. The doubling is that of flights with 50 digits.
 #[test]
 fn multipliers_are_known_where_entries_of_the_matrix_are_far_larger() {
-    let text = "[parameters]\nG = 1.557\n[flight]\ny = \"v\"\nv = \"-1\"\n[[contact]]\nname = \"table\"\n\
-        gap = \"y - G*(sin(t) + 0.3505*sin(2*t + 0.281))\"\nimpulse = { v = 1 }\nrestitution = 0.1184\n[section.s]\n\
-        surface = \"sin(t)\"\ndirection = \"rising\"\n[initial]\ny = 6\nv = 0\n";
-    let found = over(&with(text, &[]), "G", (1.05, 2.0), (7, 0.01));
+    let model = on_a_table(("0.3505", "0.281"), "0.1184", "1.557");
+    let found = over(&model, "G", (1.05, 2.0), (7, 0.01));
     let points = found.iter().flat_map(|branch| &branch.points);
     let mut counted = 0;
     for point in points.filter(|point| point.parameter() < 1.6) {
@@ -135,10 +141,8 @@ fn multipliers_are_known_where_entries_of_the_matrix_are_far_larger() {
 /// their grazes tend to.
 #[test]
 fn arcs_that_end_in_rounding_far_from_a_border_are_followed_beyond_it() {
-    let text = "[parameters]\nG = 1.557\n[flight]\ny = \"v\"\nv = \"-1\"\n[[contact]]\nname = \"table\"\n\
-        gap = \"y - G*(sin(t) + 0.3505*sin(2*t + 0.281))\"\nimpulse = { v = 1 }\nrestitution = 0.1184\n[section.s]\n\
-        surface = \"sin(t)\"\ndirection = \"rising\"\n[initial]\ny = 6\nv = 0\n";
-    let found = over(&with(text, &[]), "G", (1.55, 1.57), (9, 0.1));
+    let model = on_a_table(("0.3505", "0.281"), "0.1184", "1.557");
+    let found = over(&model, "G", (1.55, 1.57), (9, 0.1));
     let [complete, arcs] = &found[..] else {
         panic!("{} branches", found.len());
     };

@@ -435,20 +435,20 @@ pub(in crate::analysis::periodic::branch) fn jumps_back(
     (from, step): (&Station, f64),
     broken: &[Broken],
 ) -> bool {
-    let passed = broken.iter().filter_map(|broken| match *broken {
-        Broken::Passed(index) => Some(index),
-        _ => None,
-    });
-    let backwards = passed.filter_map(|index| {
-        let landing = shooting.latest.get(index)?;
-        let is_wrong = landing.surface_rate > 0.0 && shooting.steps[index].impact().is_some();
-        is_wrong.then_some((index, landing.duration))
-    });
-    backwards.into_iter().any(|(index, after)| {
-        let Some(place) = shooting.duration_place(index) else {
+    broken.iter().any(|broken| {
+        let Broken::Passed(index) = *broken else {
             return false;
         };
-        let ends = (from.at[place], after);
+        let (Some(landing), Some(place)) =
+            (shooting.latest.get(index), shooting.duration_place(index))
+        else {
+            return false;
+        };
+        let is_wrong = landing.surface_rate > 0.0 && shooting.steps[index].impact().is_some();
+        if !is_wrong {
+            return false;
+        }
+        let ends = (from.at[place], landing.duration);
         let mut least = f64::INFINITY;
         let found = locate(
             &mut shooting.clone(),
