@@ -7,6 +7,7 @@ use super::walker::Walker;
 use crate::analysis::continuation::Station;
 use crate::analysis::periodic::multipliers::farthest;
 use crate::analysis::periodic::shooting::Shooting;
+use crate::flow::GuardKind;
 use crate::numerics::Complex;
 
 /// Where the square of a modulus may be off by this part multipliers are asked in longer numbers.
@@ -57,6 +58,36 @@ impl Shooting<f64> {
     pub(super) fn flight_begins(&self, end: usize) -> usize {
         let before = self.before(end);
         if self.turns(before) { before } else { end }
+    }
+
+    /// Whether the way between the last impact and a touch of the same contact is higher than so many roundoffs of the gap.
+    pub(super) fn is_resolved(
+        &mut self,
+        at: &[f64],
+        (index, contact): (usize, usize),
+        roundoffs: f64,
+    ) -> bool {
+        let begin = self.flight_begins(index);
+        let before = self.before(begin);
+        let follows = self.steps[before].impact() == Some(contact);
+        let Ok(least) = self.least(at) else {
+            return true;
+        };
+        let touch = least[index]
+            .iter()
+            .find(|l| l.guard == GuardKind::Gap(contact) && !l.at_end);
+        let (Some(touch), true) = (touch, follows) else {
+            return true;
+        };
+        let place = (begin, contact);
+        let (rate, terms) = self.gap_rate(at, place);
+        // From zero with this rate, and back to where both vanish: a cubic; a quartic from where a plastic impact leaves no rate; up to where it turns.
+        let height = match self.is_plastic((before, contact)) {
+            true => self.gap_acceleration(at, place) * touch.time.powi(2) / 32.0,
+            false if begin != index => 0.5 * (rate * self.latest[begin].duration).abs(),
+            false => 4.0 / 27.0 * (rate * touch.time).abs(),
+        };
+        is_told(height, terms, roundoffs)
     }
 
     /// Whether a flight from one impact of a contact to the next takes no time: what comes in after it as a stay would be over as it begins.

@@ -122,6 +122,9 @@ impl Walker {
                 break End::Points;
             }
             let leaves_graze = core::mem::take(&mut at_graze);
+            if leaves_graze && let Some(impacts) = self.leads_back(ledger.special_points()) {
+                break End::Rounding(impacts);
+            }
             if leaves_graze
                 && let Ok((close, _)) =
                     (curve.station).ahead(&mut self.shooting, CLOSE * curve.step)
@@ -287,9 +290,6 @@ impl Walker {
                         }
                         if self.leaves(&here) {
                             break End::Range;
-                        }
-                        if let Some(impacts) = self.leads_back(ledger.special_points()) {
-                            break End::Rounding(impacts);
                         }
                         if here
                             .impacts

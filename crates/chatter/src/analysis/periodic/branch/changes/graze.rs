@@ -155,7 +155,9 @@ impl Walker {
         self.settle(&station);
         let is_less = |walker: &mut Self, roundoffs: f64| match broken {
             Broken::Inner(index, GuardKind::Gap(contact)) => {
-                !walker.is_resolved(&station, (index, contact), roundoffs)
+                !walker
+                    .shooting
+                    .is_resolved(&station.at, (index, contact), roundoffs)
             }
             _ => false,
         };
@@ -458,36 +460,6 @@ impl Walker {
         self.note(SpecialKind::Touch, there, &to.at, error, residual);
     }
 
-    /// Whether the way between the last impact and a touch of the same contact is higher than so many roundoffs of the gap.
-    fn is_resolved(
-        &mut self,
-        station: &Station,
-        (index, contact): (usize, usize),
-        roundoffs: f64,
-    ) -> bool {
-        let begin = self.shooting.flight_begins(index);
-        let before = self.shooting.before(begin);
-        let follows = self.shooting.steps[before].impact() == Some(contact);
-        let Ok(least) = self.shooting.least(&station.at) else {
-            return true;
-        };
-        let touch = least[index]
-            .iter()
-            .find(|l| l.guard == GuardKind::Gap(contact) && !l.at_end);
-        let (Some(touch), true) = (touch, follows) else {
-            return true;
-        };
-        let place = (begin, contact);
-        let (rate, terms) = self.shooting.gap_rate(&station.at, place);
-        // From zero with this rate, and back to where both vanish: a cubic; a quartic from where a plastic impact leaves no rate; up to where it turns.
-        let height = match self.shooting.is_plastic((before, contact)) {
-            true => self.shooting.gap_acceleration(&station.at, place) * touch.time.powi(2) / 32.0,
-            false if begin != index => 0.5 * (rate * self.shooting.latest[begin].duration).abs(),
-            false => 4.0 / 27.0 * (rate * touch.time).abs(),
-        };
-        is_told(height, terms, roundoffs)
-    }
-
     /// Whether the flight before an impact, if it begins with a release of the same contact, can be told from rounding of the gap.
     fn is_flight(&self, station: &Station, index: usize) -> bool {
         let before = self.shooting.before(index);
@@ -637,7 +609,8 @@ impl Walker {
             let slipping = self.shooting.with_slip(&at, index).ok();
             let slipping = slipping.and_then(|(mut slipping, start, place)| {
                 let along = direction(&mut slipping, &start).ok()?;
-                (along[place] > 0.0).then_some((slipping, start, along))
+                let parts = slipping.parts_by_slip((&start, &along), index);
+                (along[place] > 0.0 && parts).then_some((slipping, start, along))
             });
             let Some(next) = slipping else {
                 self.shooting = before;

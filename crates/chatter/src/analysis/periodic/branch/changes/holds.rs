@@ -1,5 +1,6 @@
 //! Whether the sequence of events still holds along a solution of its equations.
 
+use super::graze::LEAST_HEIGHT;
 use crate::analysis::continuation::{Left, Problem, Station, locate};
 use crate::analysis::periodic::cycle::itinerary::Passage;
 use crate::analysis::periodic::shooting::Shooting;
@@ -490,7 +491,8 @@ pub(super) fn break_before(
             break;
         }
         let least = reader.least(&before.at).unwrap_or_default();
-        let hidden = broken(reader, &least);
+        let mut hidden = broken(reader, &least);
+        hidden.retain(|hidden| !is_rounding_of(reader, (&first.0, hidden), &before));
         if hidden.is_empty() {
             break;
         }
@@ -500,6 +502,22 @@ pub(super) fn break_before(
         }
     }
     first
+}
+
+/// Whether what breaks beside an impact that loses its rate is that the flight after it is lower than rounding of the gap.
+fn is_rounding_of(
+    reader: &mut Shooting<f64>,
+    (first, hidden): (&Broken, &Broken),
+    station: &Station,
+) -> bool {
+    match *hidden {
+        Broken::Inner(step, GuardKind::Gap(contact)) if loses(reader, first, hidden) => {
+            let begins = reader.flight_begins(step);
+            let follows = reader.before(begins) == first.step();
+            follows && !reader.is_resolved(&station.at, (step, contact), LEAST_HEIGHT)
+        }
+        _ => false,
+    }
 }
 
 /// Where an impact loses its rate the flight after it begins to go through the wall: both are told at one place, up to this part of a

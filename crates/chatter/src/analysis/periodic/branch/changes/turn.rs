@@ -11,7 +11,7 @@ use crate::analysis::periodic::shooting::Shooting;
 use crate::expressions::{Side, Sides, Symbol};
 use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, Least, LegKind};
-use crate::numerics::Real;
+use crate::numerics::{Real, moved};
 
 /// This part of a leg before its end is its end.
 const NOT_QUITE: f64 = 1e-5;
@@ -19,6 +19,8 @@ const NOT_QUITE: f64 = 1e-5;
 const PLASTIC: f64 = 1e-12;
 /// A gap turns where its rate would change it by no more than this part of its size on the leg.
 const NO_RATE: f64 = 1e-6;
+/// So far on along a curve what begins there has grown in proportion.
+const ONWARD: f64 = 1e-6;
 
 impl Shooting<f64> {
     /// The same orbit with an impact of rate zero where a step ends by crossing a surface.
@@ -99,20 +101,32 @@ impl Shooting<f64> {
         let (grip, sides, _) = origin.filter(|_| slips).ok_or_else(unknown)?;
         let mode = system.meet(grip, sides.with(surface, side));
         system.program(mode).ok_or_else(unknown)?;
-        // Parted from what it slid with, what has struck may be driven back: then impacts follow at once, and no slip.
-        let known = (self.latest.get(index)).zip(self.latest_parameters());
-        let (landing, parameters) = known.ok_or_else(unknown)?;
-        let parameters = self.parameters_of(&parameters, &self.steps[after]);
-        let contact = self.steps[index].impact().ok_or_else(unknown)?;
-        let moves = system.gap_moves((mode, contact), &parameters, &landing.image);
-        if moves.is_none_or(|[acceleration, _]| acceleration <= 0.0) {
-            return Err(unknown());
-        }
         let mut steps = self.current_steps(at);
         self.insert_way_back(at, &mut steps, (index, after), (mode, surface))?;
         let (shooting, at) = self.like(steps, at)?;
         let place = shooting.duration_place(index + 1).ok_or_else(unknown)?;
         Ok((shooting, at, place))
+    }
+
+    /// Whether what strikes at the end of a step stays off the contact with the slip that begins there, in a direction in which both grow: parted from
+    /// what it slid with, it may be driven back. With rates u and w where the slip of time tau begins and ends, and the acceleration a after it, the
+    /// gap is (u + w) tau / 2 at its end, and w^2 / 2a less where it is least, if w < 0. All of it is of one order in how far the curve has gone.
+    pub(super) fn parts_by_slip(&self, (at, along): (&[f64], &[f64]), index: usize) -> bool {
+        let (Some(contact), slip) = (self.steps[index].impact(), self.after(index)) else {
+            return false;
+        };
+        let held = self.after(slip);
+        let beside = moved(at, along, ONWARD);
+        let [begins, ends] = [slip, held].map(|index| self.gap_rate(&beside, (index, contact)).0);
+        let parameters = self.workshop.parameters(self.free(at));
+        let parameters = self.parameters_of(&parameters, &self.steps[held]);
+        let place = (self.steps[held].mode(), contact);
+        let moves = (self.workshop.system).gap_moves(place, &parameters, self.node(at, held));
+        let (Some(lasts), Some([acceleration, _])) = (self.duration_place(slip), moves) else {
+            return false;
+        };
+        ends >= 0.0
+            || acceleration > 0.0 && (begins + ends) * beside[lasts] > ends * ends / acceleration
     }
 
     /// Whether a guard is that of the surface which the impact before a step takes the state across: with no rate it leaves the state on it.
@@ -202,7 +216,11 @@ impl Shooting<f64> {
     }
 
     /// The acceleration of a contact's gap where a step begins, in flight.
-    pub(super) fn gap_acceleration(&self, at: &[f64], (index, contact): (usize, usize)) -> f64 {
+    pub(in crate::analysis::periodic::branch) fn gap_acceleration(
+        &self,
+        at: &[f64],
+        (index, contact): (usize, usize),
+    ) -> f64 {
         let model = &self.workshop.model;
         let mut graph = model.graph.clone();
         let field = model.field();
@@ -214,7 +232,10 @@ impl Shooting<f64> {
 
     /// Whether the impact at the end of a step is plastic: whatever rate comes, none is left. An impact that comes to nothing has none left, either;
     /// but a little later its rate is another, dv = a dt, and it leaves -r of that.
-    pub(super) fn is_plastic(&self, (index, contact): (usize, usize)) -> bool {
+    pub(in crate::analysis::periodic::branch) fn is_plastic(
+        &self,
+        (index, contact): (usize, usize),
+    ) -> bool {
         let (Some(landing), Some(parameters)) = (self.latest.get(index), self.latest_parameters())
         else {
             return false;
