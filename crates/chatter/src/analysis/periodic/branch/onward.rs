@@ -125,7 +125,10 @@ impl Walker {
         let is_over =
             stands || self.is_flat(&from) || (broke.is_none() && slides.iter().any(|&on| on > 0));
         let over = is_over.then(|| self.over_the_parameter(&from));
-        let mut ways: Vec<&Station> = [&from].into_iter().chain(&over).collect();
+        // A direction in which the parameter goes back, though no fold is told, is one of rounding.
+        let is_rounding = !stands && is_over && from.parameter_slope() * forward < 0.0;
+        let along = (!is_rounding).then_some(&from);
+        let mut ways: Vec<&Station> = along.into_iter().chain(&over).collect();
         if stands {
             ways.reverse();
         }
