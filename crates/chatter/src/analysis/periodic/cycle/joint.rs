@@ -80,7 +80,11 @@ fn begin((instants, end): (&[Instant], usize), contacts: Closed) -> usize {
 
 /// Whether all that impacts at these contacts can change is held in a mode, in which they rest: then it is the same, with the same
 /// derivatives, however it came there, and the order of those impacts is no matter of the orbit.
-fn forgets(system: &System, mode: usize, contacts: Closed) -> bool {
+pub(in crate::analysis::periodic) fn forgets(
+    system: &System,
+    mode: usize,
+    contacts: Closed,
+) -> bool {
     let Some((grip, ..)) = system.origin_of(mode) else {
         return false;
     };

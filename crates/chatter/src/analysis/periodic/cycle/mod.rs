@@ -3,7 +3,7 @@
 pub(in crate::analysis::periodic) mod corners;
 mod events;
 pub mod itinerary;
-mod joint;
+pub(super) mod joint;
 mod left;
 pub mod reread;
 pub mod rotate;

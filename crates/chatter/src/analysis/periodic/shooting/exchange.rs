@@ -9,11 +9,12 @@ use crate::analysis::continuation::{
     Condition, Left, NewtonError, Problem, Station, newton, tangent,
 };
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
+use crate::analysis::periodic::cycle::joint::forgets;
 use crate::analysis::periodic::cycle::rotate::rotate;
 use crate::analysis::periodic::error::PeriodicError;
 use crate::expressions::{LookedUpIn, Side};
-use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, LegKind};
+use crate::flow::{Closed, GuardKind};
 use crate::numerics::{Real, dot};
 
 /// An event of an orbit after the exchange is where it was before, to this part of the states' sizes: where it is not, one of the events
@@ -361,8 +362,22 @@ impl Shooting<f64> {
         })
     }
 
+    /// Whether both events are impacts, and the orbit comes to a rest later on that holds all that these can change: it forgets their order.
+    fn rests_after_both(&self, index: usize) -> bool {
+        let both = [self.before(index), index].map(|k| self.steps[k].impact());
+        let [Some(one), Some(other)] = both else {
+            return false;
+        };
+        let (system, contacts) = (&self.workshop.system, Closed::NONE.with(one).with(other));
+        let mut modes = self.steps.iter().map(Step::mode);
+        modes.any(|mode| forgets(system, mode, contacts))
+    }
+
     /// Whether it shows in derivatives which of both comes first.
     pub(crate) fn order_shows(exchanged: &Exchanged) -> Result<bool, PeriodicError> {
+        if exchanged.shooting.rests_after_both(exchanged.between) {
+            return Ok(false);
+        }
         let left = |left: Left| PeriodicError::NoConvergence {
             how: left.to_string(),
         };

@@ -394,3 +394,16 @@ fn how_many_collisions_share_the_first_instant_is_no_matter_of_the_orbit() {
         assert_forgets((&model, "r2"), (0.17, 0.19), longest);
     }
 }
+
+/// A ball in a shaken groove, whose both walls hold it at rest in each period. Where the first impact of one wall passes the fourth of the other one nothing happens to
+/// the orbit: so it did at A = 0.5515092935453.
+#[test]
+fn the_order_of_impacts_before_a_rest_that_holds_all_is_not_told() {
+    let text = "[parameters]\nA = 0.5515\n[flight]\ny = \"v\"\nv = \"-1 + 2.25*A*sin(1.5*t)\"\nx = \"u\"\nu = \"0.225*sin(1.5*t + 1) - 0.05*u\"\n\
+        [[contact]]\nname = \"right\"\ngap = \"y - x\"\nimpulse = { v = 1, u = -1 }\nrestitution = 0.5\n\
+        [[contact]]\nname = \"left\"\ngap = \"y + x\"\nimpulse = { v = 1, u = 1 }\nrestitution = 0.5\n\
+        [initial]\ny = 0.5\nv = 0\nx = 0.1\nu = 0\n";
+    let found = over(&with(text, &[]), "A", (0.5514, 0.5516), (4, 0.5));
+    assert_eq!(found[0].ends, [End::Range, End::Range]);
+    assert!(found[0].special.is_empty(), "{:?}", found[0].special);
+}
