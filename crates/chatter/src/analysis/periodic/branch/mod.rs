@@ -26,6 +26,7 @@
 //!   border       how far a chatter border is
 //!   returns      it has come back to where it began
 //!   equilibrium  equilibria of the flight that a step is
+//!   family       without its events orbits lie beside each other
 //!   saddle       the orbit comes to a saddle
 //!   unbounded    by which law the period grows without bound
 //!   growth       at which value a state grows without bound

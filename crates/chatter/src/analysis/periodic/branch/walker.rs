@@ -411,6 +411,7 @@ impl Walker {
                         || self.shooting.has_low_flight(&curve.station.at);
                     accumulates(&self.special, are_low).map(End::Rounding)
                 })
+                .or_else(|| self.ends_in_family(&curve.station))
                 .unwrap_or(end),
             end => end,
         };

@@ -131,3 +131,28 @@ fn a_family_begins_at_two_symmetric_touches_wherever_from() {
         assert_eq!(found[0].ends, [End::Equilibrium, End::Range], "{context}");
     }
 }
+
+/// An oscillator with a Jenkins element, a spring in series with a slider: below the force at which that begins to slide it sticks wherever it is, and all motion is
+/// periodic. In closed form that is F |(1 - w^2 + k) + 2 i zeta w|^-1 = z_s.
+#[test]
+fn a_branch_of_slips_ends_where_a_joint_sticks_in_many_places() {
+    let text = "[parameters]\nF = 0.5\n[flight]\nx = \"v\"\nv = \"-x - 0.04*v - 0.6*z + F*cos(0.9*t)\"\n\
+        z = \"if(z >= 0.5, min(v, 0), if(z <= -0.5, max(v, 0), v))\"\n[initial]\nx = 0\nv = 0\nz = 0\n";
+    let ends = 0.5 * (1.6_f64 - 0.81).hypot(0.04 * 0.9);
+    for (start, step) in [("0.5", 0.1), ("0.42", 0.03)] {
+        let found = over(&with(text, &[("F", start)]), "F", (0.3, 0.55), (4, step));
+        let branch = &found[0];
+        assert!(
+            matches!(&branch.ends, [End::Lost(why), End::Range] if why.starts_with("its events come to nothing")),
+            "{start} {step} {:?}",
+            branch.ends
+        );
+        let last = branch.points[0].parameter();
+        assert!((last - ends).abs() < 1e-9, "{start} {step} {last}");
+        assert!(
+            branch.special.is_empty(),
+            "{start} {step} {:?}",
+            branch.special
+        );
+    }
+}

@@ -17,7 +17,7 @@ pub(super) const ALIKE: f64 = 1e-6;
 
 impl Shooting<f64> {
     /// What an orbit has shrunk to, of whole periods of its forcing on which nothing happens, by the field of one of its steps.
-    fn at_rest(&self, at: &[f64], index: usize) -> Option<(Self, Vec<f64>)> {
+    pub(super) fn at_rest(&self, at: &[f64], index: usize) -> Option<(Self, Vec<f64>)> {
         let kind = self.steps[index].flight()?;
         let step = Step {
             passage: Passage::Timed(LegKind {

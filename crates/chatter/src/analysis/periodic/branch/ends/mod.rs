@@ -3,6 +3,7 @@
 pub(super) mod accumulation;
 pub(super) mod border;
 pub(super) mod equilibrium;
+mod family;
 mod forced_rest;
 pub(super) mod growth;
 pub(super) mod hopf;
