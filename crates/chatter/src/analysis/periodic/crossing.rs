@@ -135,6 +135,17 @@ impl Shooting<f64> {
             return None;
         }
         let wait = part * turn.lap.as_ref()?.time;
+        self.told_later(at, wait)
+    }
+
+    /// The same orbit, on which nothing happens, told so much later.
+    pub(in crate::analysis::periodic) fn told_later(
+        &mut self,
+        at: &[f64],
+        wait: f64,
+    ) -> Option<(Self, Vec<f64>)> {
+        let parameters = self.workshop.parameters(self.free(at));
+        let turns = self.workshop.closure.turns(&parameters).ok()?;
         let mut steps = self.current_steps(at);
         steps[0].start = self.flown_on(at, wait)?;
         let known = (&*self.workshop, &*parameters);

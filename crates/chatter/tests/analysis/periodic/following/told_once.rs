@@ -568,6 +568,12 @@ fn a_touch_beside_chatter_is_told_once() {
     check_the_guided(("1.04", (1.03, 1.2), 0.2), &[1.059_919_261_099_330_9]);
 }
 
+/// From where the mass rests all along, told from the instant at which it is pulled most: just there it begins to open.
+#[test]
+fn what_is_told_from_where_it_begins_to_open_goes_on_beyond() {
+    check_the_guided(("1.3", (1.249_99, 1.3), 0.5), &[1.25]);
+}
+
 /// The same up to where the mass comes to rest all along.
 #[test]
 #[ignore = "takes ten seconds"]

@@ -6,6 +6,7 @@ use crate::analysis::periodic::branch::changes::touch::Touched;
 use crate::analysis::periodic::branch::limits::End;
 use crate::analysis::periodic::branch::onward::{CAREFUL, Wanted, touch_between};
 use crate::analysis::periodic::branch::walker::{Stop, Walker};
+use crate::analysis::periodic::cycle::itinerary::Passage;
 use crate::analysis::periodic::orbit::Orbit;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::analysis::periodic::solved::Solved;
@@ -62,8 +63,41 @@ impl Walker {
             infinite: None,
             is_it: opens,
         };
-        let next = self.beyond(station, &self.distances(), &wanted);
-        next.ok_or_else(|| "a contact opens there, and no orbit is found beyond".to_owned())
+        let resting = self.shooting.clone();
+        let later = self.told_away_from(station);
+        let next = self.beyond(
+            later.as_ref().unwrap_or(station),
+            &self.distances(),
+            &wanted,
+        );
+        next.ok_or_else(|| {
+            self.shooting = resting;
+            "a contact opens there, and no orbit is found beyond".to_owned()
+        })
+    }
+
+    /// The same station of an orbit on which nothing happens, told half a period later where it is told from about the instant at which a contact begins
+    /// to open: beyond, it is not at rest there.
+    fn told_away_from(&mut self, station: &Station) -> Option<Station> {
+        let [only] = &self.shooting.steps[..] else {
+            return None;
+        };
+        if !matches!(only.passage, Passage::Timed(_)) {
+            return None;
+        }
+        let period = self.shooting.period();
+        let least = self.shooting.least(&station.at).ok()?;
+        let forces = least.iter().flatten();
+        let forces = forces.filter(|least| matches!(least.guard, GuardKind::Reaction(_)));
+        let opens = forces.min_by(|a, b| a.value.total_cmp(&b.value))?;
+        if (opens.time - 0.5 * period).abs() < 0.25 * period {
+            return None;
+        }
+        let (mut shooting, at) = self.shooting.told_later(&station.at, 0.5 * period)?;
+        let later = Station::near(&mut shooting, &at, at.len() - 1).ok()?;
+        self.shooting = shooting;
+        let forward = station.parameter_slope() >= 0.0;
+        Some(if forward { later } else { later.reversed() })
     }
 
     /// The same where that force is one on the way of what is followed as a whole: beyond, that would end too soon, so steps towards the touch come to
