@@ -8,7 +8,7 @@
 use crate::expressions::{Expr, Graph, Symbol, Tape};
 use crate::flow::step::Workspace;
 use crate::flow::variation::Direction;
-use crate::model::ContactMechanics;
+use crate::model::{ContactMechanics, Slide};
 use crate::numerics::Real;
 
 /// What a chatter sequence of one contact is completed by, as expressions.
@@ -24,26 +24,42 @@ pub(crate) struct SequenceExprs {
     field: Vec<Expr>,
     /// The free acceleration of the gap, and per column its derivative, likewise.
     acceleration: Vec<Expr>,
+    /// Where one surface is slid along, and the contact's impulse leads off it: what that changes its function by, for a change of
+    /// the rate by one; its rate without what holds the state on it, and half of what that is more above than below. Per column their derivatives.
+    held: Vec<Expr>,
 }
 
 impl SequenceExprs {
-    /// Without columns, in flight along a field; `rest` is the state with the contact's rate taken away.
+    /// Without columns, in flight along a field; `rest` is the state with the contact's rate taken away. Surfaces that are slid along
+    /// come with the field that nothing holds on them.
     pub(crate) fn new(
         graph: &mut Graph,
         contact: &ContactMechanics,
         (field, rest): (&[Expr], &[Expr]),
+        (unheld, slides): (&[Expr], &[Slide]),
     ) -> Self {
         let restitution = graph.substitute(contact.restitution, &|symbol| match symbol {
             Symbol::State(i) => rest.get(i).copied(),
             Symbol::Parameter(_) => None,
         });
         let rate = graph.lie_derivative(contact.gap, field);
+        let mut held = Vec::new();
+        if let [slide] = slides
+            && slide.rate.is_none()
+            && !slide.is_component
+        {
+            let along = [&contact.jump, unheld, &slide.jump];
+            held = along
+                .map(|along| graph.lie_derivative(slide.surface, along))
+                .to_vec();
+        }
         Self {
             restitution,
             events: Vec::new(),
             slopes: Vec::new(),
             field: Vec::new(),
             acceleration: vec![graph.lie_derivative(rate, field)],
+            held,
         }
     }
 
@@ -59,7 +75,9 @@ impl SequenceExprs {
             return;
         }
         let rate = graph.lie_derivative(contact.gap, field);
+        let held = self.held.clone();
         for direction in directions {
+            self.held.extend(direction.along(graph, field.len(), &held));
             let gap = direction.along(graph, field.len(), &[contact.gap])[0];
             let early = graph.div(gap, rate);
             let late = graph.neg(early);
@@ -87,6 +105,8 @@ pub(crate) struct SequenceTapes {
     limit: Tape,
     /// There, too: the free acceleration of the gap and its derivatives.
     pub(in crate::flow) acceleration: Tape,
+    /// There, too: what holds flights on a surface, with its derivatives; empty where nothing does.
+    pub(in crate::flow) held: Tape,
 }
 
 /// Their constants at one parameter set.
@@ -95,6 +115,7 @@ pub(crate) struct SequenceConstants<R> {
     events: Vec<R>,
     limit: Vec<R>,
     pub(in crate::flow) acceleration: Vec<R>,
+    pub(in crate::flow) held: Vec<R>,
 }
 
 impl<R> SequenceConstants<R> {
@@ -104,6 +125,7 @@ impl<R> SequenceConstants<R> {
             events: Vec::new(),
             limit: Vec::new(),
             acceleration: Vec::new(),
+            held: Vec::new(),
         }
     }
 }
@@ -111,7 +133,13 @@ impl<R> SequenceConstants<R> {
 impl<R> SequenceConstants<R> {
     /// Of each tape, in the order of [`SequenceTapes::tapes`].
     pub(crate) fn of_tapes(&mut self) -> impl Iterator<Item = &mut Vec<R>> {
-        [&mut self.events, &mut self.limit, &mut self.acceleration].into_iter()
+        [
+            &mut self.events,
+            &mut self.limit,
+            &mut self.acceleration,
+            &mut self.held,
+        ]
+        .into_iter()
     }
 }
 
@@ -124,6 +152,7 @@ impl SequenceTapes {
             events: Tape::new(graph, dimension, &[], &exprs.events),
             limit: Tape::new(graph, dimension, &[], &limit),
             acceleration: Tape::new(graph, dimension, &[], &exprs.acceleration),
+            held: Tape::new(graph, dimension, &[], &exprs.held),
         }
     }
 
@@ -136,6 +165,7 @@ impl SequenceTapes {
             events: self.events.constants(graph, parameters),
             limit: self.limit.constants(graph, parameters),
             acceleration: self.acceleration.constants(graph, parameters),
+            held: self.held.constants(graph, parameters),
         }
     }
 
@@ -162,7 +192,7 @@ impl SequenceTapes {
     }
 
     pub(crate) fn tapes(&self) -> impl Iterator<Item = &Tape> {
-        [&self.events, &self.limit, &self.acceleration].into_iter()
+        [&self.events, &self.limit, &self.acceleration, &self.held].into_iter()
     }
 }
 
@@ -177,11 +207,80 @@ pub(crate) struct SequenceMap<'a, R: Real> {
     pub(crate) turn: Option<Turn<'a, R>>,
 }
 
-/// The free acceleration of the gap in the rise and in the fall of each flight, with its derivatives: tapes with their constants.
+/// A tape with its constants.
+type Known<'a, R> = (&'a Tape, &'a [R]);
+
+/// What makes the field another one in the fall of each flight than in its rise.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Turn<'a, R> {
-    pub rise: (&'a Tape, &'a [R]),
-    pub fall: (&'a Tape, &'a [R]),
+    /// The free acceleration of the gap, with its derivatives, in the rise and in the fall.
+    pub rise: Known<'a, R>,
+    pub fall: Known<'a, R>,
+    /// Where the fall is held on a surface that each impact leads off, what that needs; none where the field turns with the rate, at tops.
+    pub held: Option<Known<'a, R>>,
+}
+
+/// A flight of a sequence near its end.
+pub(crate) struct Flight<R> {
+    /// The rate that it ends with over the one that it begins with.
+    pub ratio: R,
+    /// Per column the relative change of that.
+    changes: Vec<R>,
+    /// How much longer it takes than if all of its way were the rise.
+    pub longer: R,
+}
+
+impl<R: Real> Turn<'_, R> {
+    /// The flights of a sequence that ends where tapes have these values, with this restitution and its derivatives; none that come down.
+    ///
+    /// With accelerations a of the rise and b of the fall, which begins the part tau of the rate w after the impact, a flight ends with
+    /// the rate w sqrt(1 + (a - b) tau (2 + a tau)): w sqrt(b / a) with tau = -1/a, at the top. An impact that changes the gap rate by
+    /// (1 + 1/r) w takes a surface from zero to sigma (1 + 1/r) w, from where it comes back with the rate that it has on that side.
+    pub(crate) fn flight(
+        &self,
+        (restitution, slopes): (R, &[R]),
+        values: &mut dyn FnMut(Known<'_, R>) -> Vec<R>,
+    ) -> Option<Flight<R>> {
+        let (one, two, half) = (R::ONE, R::splat(2.0), R::splat(0.5));
+        let (fall, rise) = (values(self.fall), values(self.rise));
+        let (a, b) = (rise[0], fall[0]);
+        let along = rise[1..].iter().zip(&fall[1..]);
+        let flight = if let Some(held) = self.held {
+            const PARTS: usize = 3;
+            let parts = values(held);
+            let side = R::splat(if parts[0] < R::ZERO { -1.0 } else { 1.0 });
+            let (share, rate) = (one + one / restitution, |part: &[R]| {
+                part[1] + side * part[2]
+            });
+            let (off, back) = (parts[0] * share, rate(&parts));
+            let tau = -(off / back);
+            let left = two + a * tau;
+            let square = one + (a - b) * tau * left;
+            let columns = parts[PARTS..].chunks(PARTS).zip(slopes).zip(along);
+            let change = |((part, &slope), (&da, &db)): ((&[R], &R), (&R, &R))| {
+                let shares = parts[0] * slope / (restitution * restitution);
+                let moved = part[0] * share - shares + tau * rate(part);
+                let later = -(moved / back);
+                let turned = (left - one) * two * later + da * tau * tau;
+                ((da - db) * tau * left + (a - b) * turned) / square
+            };
+            let ratio = square.sqrt();
+            Flight {
+                ratio,
+                changes: columns.map(change).collect(),
+                longer: (tau - (left - one + ratio) / b) * -a * half,
+            }
+        } else {
+            let ratio = (b / a).sqrt();
+            Flight {
+                ratio,
+                changes: along.map(|(&da, &db)| db / b - da / a).collect(),
+                longer: (one + one / ratio) * half,
+            }
+        };
+        let falls = a < R::ZERO && b < R::ZERO;
+        (falls && flight.ratio.is_finite() && flight.longer > R::ZERO).then_some(flight)
+    }
 }
 
 /// A point at which a sequence may end: its restitution there, with the derivatives along the columns.
@@ -234,18 +333,18 @@ impl<R: Real> SequenceMap<'_, R> {
         let columns = self.columns();
         let of_impacts = values[0];
         if let Some(turn) = self.turn {
-            let mut accelerations = |(tape, constants): (&Tape, &[R])| {
+            let slopes = values[1..1 + columns].to_vec();
+            let mut at_limit = |(tape, constants): Known<'_, R>| {
                 let mut all = vec![R::ZERO; tape.outputs.len()];
                 (self.work).values_at(tape, constants, (point, low), &mut all);
                 all
             };
-            let (fall, rise) = (accelerations(turn.fall), accelerations(turn.rise));
-            // r sqrt(b / a), and by the logarithm its derivatives.
-            let ratio = (fall[0] / rise[0]).sqrt();
+            let flight = turn.flight((of_impacts, &slopes), &mut at_limit);
+            let ratio = (flight.as_ref()).map_or(R::splat(f64::NAN), |flight| flight.ratio);
             values[0] *= ratio;
-            let changes = fall[1..].iter().zip(&rise[1..]);
-            for (slope, (&falls, &rises)) in values[1..1 + columns].iter_mut().zip(changes) {
-                let change = (falls / fall[0] - rises / rise[0]) * R::splat(0.5);
+            let changes = flight.iter().flat_map(|flight| &flight.changes);
+            for (slope, &change) in values[1..1 + columns].iter_mut().zip(changes) {
+                let change = change * R::splat(0.5);
                 *slope = (*slope).mul_add(ratio, of_impacts * ratio * change);
             }
         }

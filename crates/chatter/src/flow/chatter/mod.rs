@@ -13,7 +13,9 @@ mod limit;
 mod pace;
 mod tableau;
 
-pub(crate) use limit::{SequenceConstants, SequenceExprs, SequenceMap, SequenceTapes, Turn};
+pub(crate) use limit::{
+    Flight, SequenceConstants, SequenceExprs, SequenceMap, SequenceTapes, Turn,
+};
 
 use limit::LimitPoint;
 use pace::Pace;

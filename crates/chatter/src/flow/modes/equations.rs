@@ -41,6 +41,7 @@ impl ModeExprs {
             mechanics.sticking(&active).ok()?
         };
         let contacts = mechanics.contacts.clone();
+        let held_on = (&mechanics.unheld[..], &mechanics.slides[..]);
         let graph = &mut mechanics.graph;
         let rests: Vec<Vec<Expr>> = contacts
             .iter()
@@ -55,7 +56,7 @@ impl ModeExprs {
             })
             .collect();
         let sequences = (contacts.iter().zip(&rests))
-            .map(|(contact, rest)| SequenceExprs::new(graph, contact, (&held.field, rest)))
+            .map(|(contact, rest)| SequenceExprs::new(graph, contact, (&held.field, rest), held_on))
             .collect();
         Some(Self {
             sequences,

@@ -31,6 +31,22 @@ fn ball(
         .expect("a valid model")
 }
 
+/// A drill of mass one that is pushed against a slider: their forces and the restitution.
+fn drill(parameters: &[(&str, f64)], [push, slip, restitution]: [&str; 3]) -> Model {
+    let mut builder = ModelBuilder::new();
+    for &(name, value) in parameters {
+        builder = builder.parameter(name, value);
+    }
+    builder
+        .state("x", "v", 0.0)
+        .state("v", push, 0.0)
+        .state("y", "u", 0.1)
+        .state("u", slip, 0.0)
+        .contact("bit", "y - x", [("v", "-1"), ("u", "1/m")], restitution)
+        .build()
+        .expect("a valid model")
+}
+
 /// Time of the last accumulation before `until`, the error told with it, and the state at `until`. Parameters and initial
 /// state are the model's to double precision, whatever the number type, but for the parameter that is shifted.
 fn accumulation<R: Real>(
@@ -268,6 +284,43 @@ proptest! {
         }
     }
 
+    /// The same where each impact makes a slider slip, that friction holds again before it is struck next: rounding of a column grows with each slip.
+    #[test]
+    fn columns_through_chatter_whose_flights_come_to_a_stick(
+        (mass, friction, drag) in (0.5_f64..3.0, 0.8_f64..1.5, 0.0_f64..0.3),
+        (push, force, frequency) in (0.2_f64..0.4, 0.0_f64..0.1, 0.3_f64..3.0),
+        (r, damping, drift) in (0.3_f64..0.6, 0.0_f64..0.3, 0.0_f64..0.05),
+    ) {
+        let parameters = [
+            ("m", mass), ("f", friction), ("k", drag), ("p", push), ("a", force),
+            ("w", frequency), ("r", r), ("c", damping), ("s", drift),
+        ];
+        let model = drill(&parameters, ["p + a*cos(w*t) - c*v", "-(f*sign(u) + k*u)/m", "r + s*sin(t)"]);
+        const UNTIL: f64 = 8.0;
+        const STEP: f64 = 1e-9;
+        let columns: Vec<Column> = (0..parameters.len()).map(Column::Parameter).collect();
+        let (found, with) = accumulation::<f64>(&model, &columns, &[], UNTIL);
+        if found.is_none() {
+            return Ok(());
+        }
+        let count = with.len() / (1 + columns.len());
+        for (p, &(name, value)) in parameters.iter().enumerate() {
+            let shifted = |sign: f64| {
+                let value = Dd::from(value) + Dd::from(sign * STEP);
+                accumulation::<Dd>(&model, &[], &[(p, value)], UNTIL).1
+            };
+            let (plus, minus) = (shifted(1.0), shifted(-1.0));
+            for i in 0..count {
+                let difference = ((plus[i] - minus[i]) / Dd::from(2.0 * STEP)).to_f64();
+                let derivative = with[(p + 1) * count + i];
+                prop_assert!(
+                    (derivative - difference).abs() <= 1e-9 * difference.abs().max(1.0),
+                    "d state {} / d {}: {:e}, not {:e}", i, name, derivative, difference
+                );
+            }
+        }
+    }
+
     /// Two bodies that stay together: resistance accelerates neither towards the other, and what rounding leaves of the
     /// rebound says nothing of the time, which is known to all digits.
     #[test]
@@ -363,5 +416,44 @@ fn chatter_without_a_force_ends_by_the_jerk() {
             let impacts = run.counts.impacts;
             assert!(impacts as f64 <= most + 4.0, "{context}: {impacts} {most}");
         }
+    }
+}
+
+/// Flights of a drill under a constant push are all alike, if each slip of what it strikes ends in them: rates fall by one ratio, which is not the restitution.
+#[test]
+fn chatter_whose_flights_come_to_a_stick_ends_where_its_sum_does() {
+    for (m, f, p, r) in [
+        (1.0, 1.0, 0.3, 0.5),
+        (2.5, 1.4, 0.25, 0.4),
+        (0.6, 0.9, 0.35, 0.7),
+    ] {
+        let parameters = [("m", m), ("f", f), ("p", p), ("r", r)];
+        let model = drill(&parameters, ["p", "-f*sign(u)/m", "r"]);
+        let [mass, friction, push, restitution] = [m, f, p, r].map(Dd::from);
+        let two = Dd::from(2.0);
+        // Of an impact with the rate one: what it makes of slider and gap, the end of the slip, and the rest of the flight.
+        let slip = (Dd::from(1.0) + restitution) / (mass + Dd::from(1.0));
+        let until = slip * mass / friction;
+        let rate = restitution - (push + friction / mass) * until;
+        let gap = (restitution + rate) * until / two;
+        let last = (rate * rate + two * push * gap).sqrt();
+        let flight = until + (rate + last) / push;
+        assert!(gap.to_f64() > 0.0 && last.to_f64() < 1.0);
+        // From rest at a distance of a tenth.
+        let fall = (two * Dd::from(0.1) / push).sqrt();
+        let truth = fall + push * fall * flight / (Dd::from(1.0) - last);
+        let (found, _) = accumulation::<f64>(&model, &[], &[], 20.0);
+        assert_told(found.expect("an accumulation"), truth, "doubles");
+        let (found, state) = accumulation::<Dd>(&model, &[], &[], 20.0);
+        let (time, error) = found.expect("an accumulation");
+        let off = (time - truth).abs().to_f64();
+        assert!(
+            off < 1e-29 && off < 10.0 * error,
+            "{m}: off by {off:e}, told {error:e}"
+        );
+        assert_eq!((state[1].to_f64(), state[3].to_f64()), (0.0, 0.0));
+        let spec = Spec::until(20.0);
+        let run = simulate::<f64>(&model, &spec, &mut |_| ControlFlow::Continue(())).unwrap();
+        assert!(run.counts.impacts < 30, "{}", run.counts.impacts);
     }
 }

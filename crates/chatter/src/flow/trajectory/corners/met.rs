@@ -24,10 +24,7 @@ impl<R: Real> Trajectory<R> {
         work: &mut Workspace<R>,
         (corner, jumps): (Corner, bool),
     ) -> Result<Option<Occurrence<R>>, FlowError> {
-        if !(jumps && self.is_top(system, corner)?) {
-            self.tracker.interrupt();
-            self.tops.interrupt();
-        }
+        let is_top = jumps && self.is_top(system, corner)?;
         self.flight_time = R::splat(FOREVER);
         self.count_switch()?;
         self.note_kink(system, corner)?;
@@ -45,6 +42,11 @@ impl<R: Real> Trajectory<R> {
             false => None,
         };
         self.settle_corners(system, Some(corner))?;
+        let goes_on = is_top || jumps && self.is_held_in_flight(system, corner);
+        if !goes_on {
+            self.tracker.interrupt();
+            self.tops.interrupt();
+        }
         if let Some(before) = before {
             self.follow_gaps(system, &before)?;
         }

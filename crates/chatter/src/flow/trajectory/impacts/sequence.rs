@@ -360,10 +360,11 @@ impl<R: Real> Trajectory<R> {
         let relative = walk.max(work.tail.precision);
         let error = relative.mul_add(self.time.to_f64().abs(), end.error);
         // Friction may hold what comes to rest from this instant on: columns at fixed time are to be those of the motion that follows.
-        let rubs = !system.rubbing().is_empty();
-        let late = if rubs { &end.late[..] } else { &[] };
+        let held = self.tops.held(contact);
+        let may_stick = held.is_some() || !system.rubbing().is_empty();
+        let late = if may_stick { &end.late[..] } else { &[] };
         self.shift_columns(system, work, late, R::ONE)?;
-        self.met = stopped.or(self.met);
+        self.met = stopped.or(held).or(self.met);
         self.bring_to_rest(system, work, Closed::NONE.with(contact))?;
         self.shift_columns(system, work, late, -R::ONE)?;
         self.may_have_crossed = true;

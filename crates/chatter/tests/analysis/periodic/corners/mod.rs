@@ -10,6 +10,7 @@ mod impacts_at_corners;
 mod one_way;
 mod rough_walls;
 mod sticks;
+mod struck_sliders;
 mod surfaces;
 pub(super) mod touches;
 mod turns_at_release;
