@@ -17,6 +17,8 @@ const BORDER_STEP: f64 = 1e-3;
 const BORDER_ROOM: f64 = 2.0;
 /// Right beside it the period is that at the border but for this part.
 const SAME_PERIOD: f64 = 1e-3;
+/// Where it differs by more than this part from that of the orbit before, rounding has led past the release at the border, to a later one.
+const ANOTHER_PERIOD: f64 = 0.1;
 /// A sequence whose contact is over at this part of the distance that a coordinate tells is another one.
 const OF_ANOTHER: f64 = 0.1;
 /// So many orbits come close to it one after the other.
@@ -58,6 +60,9 @@ impl Walker {
         self.note(SpecialKind::ChatterBorder, here, &station.at, error, 0.0);
         if let Some(special) = self.special.last_mut() {
             special.leaves.clone_from(&station.tangent);
+            if (special.point.period - here.period).abs() > ANOTHER_PERIOD * here.period {
+                special.point.period = here.period;
+            }
         }
         let told = nearest.map(|border| {
             if let Some(special) = self.special.last_mut() {

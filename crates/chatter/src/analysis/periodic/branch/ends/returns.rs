@@ -13,6 +13,9 @@ use crate::analysis::periodic::shooting::Shooting;
 /// Two orbits at one parameter that are this near, against their size, are one.
 const SAME_ORBIT: f64 = 1e-8;
 
+/// What lies between two stations is no farther from both than so many times what these are apart: steps turn by little.
+const BETWEEN: f64 = 4.0;
+
 /// What an orbit's sequence of events is.
 pub(in crate::analysis::periodic) fn passages(shooting: &Shooting<f64>) -> Vec<Passage> {
     shooting.steps.iter().map(|step| step.passage).collect()
@@ -74,10 +77,14 @@ impl Shooting<f64> {
         }
         let rotations =
             (0..count).filter(|by| (0..count).all(|k| own[(k + by) % count] == kinds[k]));
+        let apart = self.past(ends.1, (&ends.0.at, 0));
+        let reach = apart.map_or(f64::INFINITY, |apart| BETWEEN * apart.distance);
         let passed = rotations.filter_map(|by| {
-            let left = |station| Some(-self.past(station, (origin, by))?.along);
-            let left = (left(ends.0)?, left(ends.1)?);
-            (left.0 > 0.0 && left.1 <= 0.0).then_some((by, left))
+            let past = |station| self.past(station, (origin, by));
+            let (before, after) = (past(ends.0)?, past(ends.1)?);
+            let lies_around = before.along < 0.0 && after.along >= 0.0;
+            let is_near = before.distance.min(after.distance) <= reach;
+            (lies_around && is_near).then_some((by, (-before.along, -after.along)))
         });
         passed.collect()
     }
