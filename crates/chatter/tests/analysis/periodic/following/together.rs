@@ -250,3 +250,33 @@ fn a_piston_goes_on_as_its_mirror_image_does_after_many_impacts() {
     assert!(all.contains(&18) && !all.contains(&17), "{all:?}");
     assert!(branch.ends.contains(&End::Impacts(18)));
 }
+
+/// A mass with dry friction in a shaken box touches both walls as it comes to rest on it: what an impact there leaves is the square of its rate, and equations with
+/// both are singular. (Grazes by an own program with the closed form of each flight, from the motion that settles.)
+#[test]
+fn a_box_takes_along_what_touches_both_walls_where_it_is_held() {
+    let text = "[parameters]\nh = 0.3\n[flight]\ny = 'u'\nu = '-0.325*sign(u - 0.86616712*cos(0.9607*t))'\n\
+        [[contact]]\nname = 'right'\ngap = '0.9016*sin(0.9607*t) + h - y'\nimpulse = { u = -1 }\nrestitution = 0.2405\n\
+        [[contact]]\nname = 'left'\ngap = 'y - 0.9016*sin(0.9607*t) + h'\nimpulse = { u = 1 }\nrestitution = 0.2405\n\
+        [section.s]\nsurface = 'sin(0.9607*t)'\ndirection = 'rising'\n[initial]\ny = 0\nu = 0.5\n";
+    for (range, place, impacts, known) in [
+        ((0.287, 0.293), 0.290_958_868_442_5, 2, 1e-12),
+        ((0.2555, 0.2575), 0.256_658_723_1, 4, 1e-10),
+    ] {
+        for start in [range.0, range.1] {
+            let start = start.to_string();
+            let found = over(&with(text, &[("h", &start)]), "h", range, (12, 0.01));
+            let branch = &found[0];
+            assert_eq!(branch.ends, [End::Range, End::Range], "{start}");
+            let told = branch.special.iter().map(|special| {
+                let off = (value(special) - place).abs();
+                assert!(off < known && special.persists == Some(true), "{special:?}");
+                (special.kind, special.point.impacts)
+            });
+            let mut told: Vec<_> = told.collect();
+            told.sort_by_key(|(_, impacts)| *impacts);
+            let graze = |impacts| (SpecialKind::ImpactGraze, Some(impacts));
+            assert_eq!(told, [graze(impacts), graze(impacts + 1)], "{start}");
+        }
+    }
+}

@@ -1,6 +1,7 @@
 //! From one sequence of events to the next, where an impact comes in or goes out.
 
 use super::holds::{Broken, break_before, first_break, smallest};
+use super::together::begins;
 use super::touch::Touched;
 use crate::analysis::continuation::{Curve, Problem, Station, tangent};
 use crate::analysis::periodic::branch::limits::End;
@@ -195,7 +196,7 @@ impl Walker {
                 let longer = (self.shooting).with_impact_at_turn(&station.at, (index, contact));
                 let touched = longer.map_err(|error| error.to_string());
                 let touched = touched.and_then(Touched::solve);
-                touched.and_then(|touched| self.impact_comes_in(&station, touched, &there))
+                touched.and_then(|touched| self.impacts_come_in(&station, touched, &there))
             }
             // Of stays that vanish at once, as those of a symmetric orbit, one may be over by rounding before the other is.
             Broken::Inner(_, guard @ GuardKind::Switch(_))
@@ -568,10 +569,36 @@ impl Walker {
                 "the orbit comes to {named}, and no motion leads beyond"
             ));
         }
-        let touched = touched?;
-        match self.gain_together(station, &touched, there) {
+        self.impacts_come_in(station, touched?, there)
+    }
+
+    /// On with an impact that comes in where it has no rate yet, and those at other contacts that touch there as well.
+    fn impacts_come_in(
+        &mut self,
+        station: &Station,
+        touched: Touched,
+        there: &Point,
+    ) -> Result<Station, String> {
+        if let Some(next) = self.gain_together(station, &touched, there) {
+            return Ok(next);
+        }
+        let others = self.others_that_touch(&touched);
+        let (told, before) = (self.special.len(), self.shooting.clone());
+        let alone = self.impact_comes_in(station, touched, there);
+        if others == 0
+            || alone
+                .as_ref()
+                .is_ok_and(|next| begins(&self.shooting, next))
+        {
+            return alone;
+        }
+        let with_alone = core::mem::replace(&mut self.shooting, before);
+        match self.gain_beyond(station, (told, others), there) {
             Some(next) => Ok(next),
-            None => self.impact_comes_in(station, touched, there),
+            None => {
+                self.shooting = with_alone;
+                alone
+            }
         }
     }
 

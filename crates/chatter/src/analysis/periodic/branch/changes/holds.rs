@@ -1,6 +1,6 @@
 //! Whether the sequence of events still holds along a solution of its equations.
 
-use super::graze::LEAST_HEIGHT;
+use super::graze::{LEAST_HEIGHT, is_told};
 use crate::analysis::continuation::{Left, Problem, Station, locate};
 use crate::analysis::periodic::cycle::itinerary::Passage;
 use crate::analysis::periodic::shooting::Shooting;
@@ -344,16 +344,37 @@ pub(super) fn is_nothing(least: &Least) -> bool {
     least.value.abs() <= NOWHERE * least.size.abs()
 }
 
-/// The guards that touch as well where a step grazes.
+/// A gap that touches as well is so many roundoffs of its terms at most.
+const TOUCHES_AS_WELL: f64 = 16.0;
+
+/// What touches as well where a step grazes, each with the step that it does so on: on the way, or at its end where a gap turns with the surface that ends it.
 pub(super) fn touches_beside(
     shooting: &mut Shooting<f64>,
     at: &[f64],
     grazing: usize,
-) -> Result<Vec<GuardKind>, Left> {
+) -> Result<Vec<(usize, Least)>, Left> {
     let least = least_beside(shooting, at, Some(grazing))?;
-    let all = least.into_iter().flatten();
-    let touching = all.filter(|l| !l.at_end && is_nothing(l));
-    Ok(touching.map(|l| l.guard).collect())
+    let mut found = Vec::new();
+    for (index, all) in least.iter().enumerate() {
+        // A gap that is the sum of larger terms is known to roundoffs of these.
+        let is_rounding = |l: &Least| match l.guard {
+            GuardKind::Gap(contact) => {
+                let terms = shooting.gap_rate(at, (index, contact)).1;
+                !is_told(l.value.abs(), terms, TOUCHES_AS_WELL)
+            }
+            _ => false,
+        };
+        let touching = || all.iter().filter(|l| is_nothing(l) || is_rounding(l));
+        let turns = |l: &Least| match l.guard {
+            GuardKind::Gap(contact) => shooting.touches_at_turn((at, &least), (index, contact)),
+            _ => false,
+        };
+        // A touch at the end is one just before it, too.
+        let at_turn = touching().filter(|l| l.at_end && turns(l));
+        let on_way = touching().filter(|l| !l.at_end && !turns(l));
+        found.extend(at_turn.chain(on_way).map(|l| (index, l.clone())));
+    }
+    Ok(found)
 }
 
 /// What breaks, but for the step that grazes: after an evaluation there.

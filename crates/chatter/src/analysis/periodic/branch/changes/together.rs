@@ -4,12 +4,13 @@
 //! on as its mirror image does, with those impacts that it had not, and without those that it had.
 
 use super::graze::{THERE, moved, rate_grows};
-use super::holds::{is_nothing, least_beside, sequence_holds, touches_beside};
+use super::holds::{sequence_holds, touches_beside};
 use super::touch::Touched;
 use crate::analysis::continuation::{Curve, Problem, Station};
 use crate::analysis::periodic::branch::special::Seed;
 use crate::analysis::periodic::branch::walker::{Stop, Walker};
-use crate::analysis::periodic::branch::{Point, SpecialKind};
+use crate::analysis::periodic::branch::{Point, SpecialKind, Wanted};
+use crate::analysis::periodic::orbit::Orbit;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::flow::GuardKind;
 use crate::flow::leg::Least;
@@ -67,7 +68,7 @@ impl Shooting<f64> {
         touched.shooting.evaluate(&touched.at).ok()?;
         let mut touching = touches_beside(&mut touched.shooting, &touched.at, index).ok()?;
         let all = contacts.iter().all(|&contact| {
-            let own = |guard: &GuardKind| *guard == GuardKind::Gap(contact);
+            let own = |(_, least): &(usize, Least)| least.guard == GuardKind::Gap(contact);
             let place = touching.iter().position(own);
             place.map(|place| touching.swap_remove(place)).is_some()
         });
@@ -92,6 +93,17 @@ impl Shooting<f64> {
         self.workshop.model.contacts.len() > 1 && self.has_clock()
     }
 
+    /// The other contacts that touch where an impact of an orbit grazes. None where the same contact touches once more: that is the same orbit a turn later, or
+    /// backwards in time.
+    fn that_touch(&mut self, at: &[f64], own: usize) -> Option<Vec<GuardKind>> {
+        self.evaluate(at).ok()?;
+        let all = touches_beside(self, at, own).ok()?.into_iter();
+        let gaps = |guard: &GuardKind| matches!(guard, GuardKind::Gap(_));
+        let others: Vec<GuardKind> = all.map(|(_, least)| least.guard).filter(gaps).collect();
+        let contact = self.steps[own].impact().map(GuardKind::Gap);
+        (others.iter().all(|other| Some(*other) != contact)).then_some(others)
+    }
+
     /// A graze with an impact wherever other contacts touch as well, and without its own if that goes out. None where no others touch.
     fn with_others_that_touch(&self, touched: &Touched, goes_out: bool) -> Option<Touched> {
         // As well as it is known: what touches as well does so to rounding.
@@ -100,25 +112,25 @@ impl Shooting<f64> {
             touched.told.clone(),
             touched.index,
         );
-        longer.evaluate(&at).ok()?;
-        let others = touches_beside(&mut longer, &at, own).ok()?;
-        let gaps = |guard: &GuardKind| matches!(guard, GuardKind::Gap(_));
-        let others: Vec<GuardKind> = others.into_iter().filter(gaps).collect();
-        // What touches the same contact once more is the same orbit a turn later, or backwards in time.
-        let contact = longer.steps[own].impact().map(GuardKind::Gap);
-        if others.is_empty() || others.iter().any(|other| Some(*other) == contact) {
+        let others = longer.that_touch(&at, own)?;
+        if others.is_empty() {
             return None;
         }
         for other in others {
             longer.evaluate(&at).ok()?;
-            let least = least_beside(&mut longer, &at, Some(own)).ok()?;
-            let touches =
-                |least: &Least| least.guard == other && !least.at_end && is_nothing(least);
-            let mut place = least.into_iter().enumerate();
-            let place = place.find_map(|(k, all)| Some((k, all.into_iter().find(touches)?)));
-            let (k, least) = place?;
-            let (with, guess, new) = longer.with_event(&at, k, &least).ok()?;
-            own += usize::from(new <= own);
+            let all = touches_beside(&mut longer, &at, own).ok()?;
+            let (k, least) = { all.into_iter() }.find(|(_, least)| least.guard == other)?;
+            let count = longer.steps.len();
+            let (with, guess, _) = match least.guard {
+                GuardKind::Gap(contact) if least.at_end => {
+                    longer.with_impact_at_turn(&at, (k, contact))
+                }
+                _ => longer.with_event(&at, k, &least),
+            }
+            .ok()?;
+            if k <= own {
+                own += with.steps.len() - count;
+            }
             (longer, at) = (with, guess);
         }
         if goes_out {
@@ -197,6 +209,38 @@ impl Walker {
         // Each is told, with as many impacts as have come in before it.
         let known = self.special.get(told).cloned()?;
         for more in 1..count as u64 {
+            let mut special = known.clone();
+            special.point.impacts = special.point.impacts.map(|impacts| impacts + more);
+            self.special.push(special);
+        }
+        Some(next)
+    }
+
+    /// How many others touch at a graze, where a clock says when.
+    pub(super) fn others_that_touch(&self, touched: &Touched) -> usize {
+        let mut shooting = touched.shooting.clone();
+        let others = self.shooting.may_touch_together();
+        let others = others.then(|| shooting.that_touch(&touched.told, touched.index));
+        others.flatten().map_or(0, |others| others.len())
+    }
+
+    /// On from a graze of several contacts at once, the first of which is told at this place, where equations with all of their impacts are singular: what
+    /// each leaves of itself is the square of its rate, as where friction holds the rest. With an orbit that the motion has beyond.
+    pub(super) fn gain_beyond(
+        &mut self,
+        station: &Station,
+        (told, others): (usize, usize),
+        there: &Point,
+    ) -> Option<Station> {
+        let impacts = there.impacts?.checked_add(1 + others as u64)?;
+        let wanted = Wanted {
+            infinite: Some(false),
+            is_it: |orbit: &Orbit| orbit.impacts == Some(impacts),
+        };
+        let distances = self.distances();
+        let next = self.beyond(station, &distances, &wanted)?;
+        let known = self.special.get(told).cloned()?;
+        for more in 1..=others as u64 {
             let mut special = known.clone();
             special.point.impacts = special.point.impacts.map(|impacts| impacts + more);
             self.special.push(special);
@@ -297,7 +341,7 @@ impl Walker {
 }
 
 /// Whether a curve leads from a station to orbits that the motion has.
-fn begins(shooting: &Shooting<f64>, station: &Station) -> bool {
+pub(super) fn begins(shooting: &Shooting<f64>, station: &Station) -> bool {
     let mut reader = shooting.clone();
     let ahead = station.ahead(&mut reader, PROBE);
     ahead.is_ok_and(|(ahead, _)| sequence_holds(&mut reader, &ahead.at))
