@@ -249,7 +249,8 @@ def test_a_phone_is_wide_enough(view: View) -> None:
 
 
 def test_a_million_points_are_panned_smoothly(view: View) -> None:
-    page = view.open(SMALL.replace("columns=128", "columns=512").replace("keep=12", "keep=2000") + "&time=0:2").page
+    # Of a model that costs little.
+    page = view.open("#model=bouncing_ball_on_table&over=Gamma=1.2:4&observe=v&sampling=at:impact&columns=512&transient=30&keep=2000&time=0:2").page
     view.complete()
     count = "document.querySelector('#diagram canvas').rows.in_order().reduce((sum, { rows }) => sum + rows[0].samples.length, 0)"
     assert page.evaluate(count) > 1_000_000

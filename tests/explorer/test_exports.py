@@ -50,11 +50,13 @@ def curved(view: View) -> None:
 
 
 BALL = "#model=bouncing_ball&over=r=0.5:0.9&set=r=0.7&observe=y&sampling=section:apex&columns=64&time=0.5:2&at=0.7&returned=y"
+# Of a map.
+COARSE = PLAIN.replace("columns=128", "columns=48")
 BORDER = PLAIN.replace("0.0202:0.0203", "0.02:0.0236").replace("at=0.0203", "at=0.0222")
 # Where it is, the menu, what is done before, and the stem of the files of the command line.
 VIEWS: dict[str, tuple[str, str, Callable[[View], None] | None, str]] = {
     "diagram": (PLAIN, "#diagram > header .gifts", None, "diagram"),
-    "map": (PLAIN + "&second=kappa=1.2:1.3", "#diagram > header .gifts", None, "diagram"),
+    "map": (COARSE + "&second=kappa=1.2:1.3", "#diagram > header .gifts", None, "diagram"),
     "history": (PLAIN, "#history .gifts", None, "history"),
     "portrait": (PLAIN, "#portrait .gifts", None, "portrait"),
     "returns": (PLAIN.replace("0:12", "0:30"), "#returns .gifts", None, "returns"),
@@ -62,7 +64,7 @@ VIEWS: dict[str, tuple[str, str, Callable[[View], None] | None, str]] = {
     "impacts": (PLAIN, "#impacts .gifts", None, "impacts"),
     "mechanism": (PLAIN, "#mechanism .gifts", later, "mechanism"),
     "branches": (PLAIN, "summary[aria-label^='Export of branches']", branches, "branches"),
-    "curve": (PLAIN + "&second=kappa=1.248:1.252", "summary[aria-label^='Export of curve']", curve, "curve"),
+    "curve": (COARSE + "&second=kappa=1.2495:1.2505", "summary[aria-label^='Export of curve']", curve, "curve"),
     "border": (BORDER, "summary[aria-label^='Export of border']", border, "border"),
     "universal": (BORDER, "#returns .gifts", universal, "cobweb"),
 }

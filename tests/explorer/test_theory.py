@@ -24,7 +24,7 @@ def overlay(view: View, what: str) -> Any:
 
 
 def test_a_special_point_is_followed_in_two_parameters(view: View, tmp_path: Any) -> None:
-    page = view.open(MAP.replace("1.24:1.26", "1.248:1.252")).page
+    page = view.open(MAP.replace("1.24:1.26", "1.2495:1.2505")).page
     view.complete()
     page.get_by_role("button", name="Periodic orbits").click()
     until(lambda: "orbits on" in status(view), "the branch")
@@ -38,7 +38,7 @@ def test_a_special_point_is_followed_in_two_parameters(view: View, tmp_path: Any
     with np.load(tmp_path / "branches.npz") as branches:
         number = list(branches["special_kind"]).index("fold") + 1
     told = json.loads(chatter(
-        "continue", "pressure_relief_valve", "--sweep", "kappa=1.248:1.252", "--section", "closing", "--free", "q,kappa",
+        "continue", "pressure_relief_valve", "--sweep", "kappa=1.2495:1.2505", "--section", "closing", "--free", "q,kappa",
         "--from", f"branches.npz:{number}", "--json", folder=tmp_path,
     ))  # fmt: skip
     theirs = told["branches"][0]

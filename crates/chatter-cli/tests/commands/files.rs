@@ -7,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 
 /// Long enough to be broken off.
 const LONG: &str = "diagram pressure_relief_valve --section closing --observe y2 --start carry \
-                    --sweep q=0.0201:0.0225:200 --transient 400 --keep 100";
+                    --sweep q=0.0201:0.0225:100 --transient 400 --keep 100";
 
 #[test]
 fn a_resumed_diagram_is_written_where_it_was_begun() {

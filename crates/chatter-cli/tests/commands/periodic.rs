@@ -309,7 +309,7 @@ fn wrong_questions_are_told_what_is_wrong() {
 fn branches_go_on_to_the_same_file() {
     let folder = Folder::new("resumed_branches");
     let (whole, stopped) = (folder.file("whole.npz"), folder.file("stopped.npz"));
-    let line = "continue pressure_relief_valve --set q=0.0203 --sweep q=0.0202:0.0204 --impacts 37 --step 0.001 --out";
+    let line = "continue pressure_relief_valve --set q=0.0203 --sweep q=0.0202:0.0204 --impacts 37 --step 0.004 --out";
     let (long, short) = (typed(line, &[&whole]), typed(line, &[&stopped]));
     succeeds(&long);
     let journal = format!("{stopped}.journal");

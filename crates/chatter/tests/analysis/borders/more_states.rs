@@ -209,6 +209,7 @@ fn what_is_remembered_is_what_the_flow_brings() {
 
 /// What is remembered is a property of the orbit: how many impacts are followed does not show in it.
 #[test]
+#[ignore = "takes ten seconds"]
 fn memory_does_not_depend_on_how_many_impacts_are_followed() {
     let model = read(&line("0.1", "2.0"));
     let memory = |impacts: usize| {

@@ -117,7 +117,7 @@ fn a_branch_with_complete_chatter_ends_at_the_border() {
     let found = over(
         &model("pressure_relief_valve", &[("q", "0.02")]),
         "q",
-        (0.02, 0.0201),
+        (0.02, 0.02007),
         (52, 0.05),
     );
     let border = nearest(&found, &[SpecialKind::ChatterBorder], 0.02005);

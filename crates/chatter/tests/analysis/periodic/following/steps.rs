@@ -6,6 +6,7 @@ use chatter::analysis::periodic::{End, Point, SpecialKind};
 /// A follower leaves its cam and comes back with chatter: over omega the contact begins to open, chatter grows, ends at a border, and impacts are
 /// lost one by one. None of that depends on where one starts and on how long steps are.
 #[test]
+#[ignore = "takes ten seconds"]
 fn a_follower_on_a_cam_is_followed_whatever_the_step() {
     let follower = |omega: &str| {
         let text = r#"
