@@ -107,3 +107,25 @@ fn what_sticks_too_long_is_no_orbit() {
         assert!((x.abs() - expected).abs() < 1e-13 && v == 0.0, "{x} {v}");
     }
 }
+
+/// A mass with dry friction in a shaken box, whose orbit is its own mirror image. (Where the rate against the box comes back to zero with the force that
+/// friction just holds: the closed form of the flight between both walls, in 30 digits.)
+#[test]
+fn an_orbit_that_is_its_own_mirror_image_sticks_on_both_ways() {
+    let text = "[parameters]\nA = 1.25\nw = 0.9395\nh = 1.2413\n[flight]\ny = 'u'\nu = '-0.4161*sign(u - A*w*cos(w*t))'\n\
+        [[contact]]\nname = 'right'\ngap = 'A*sin(w*t) + h - y'\nimpulse = { u = -1 }\nrestitution = 0.4142\n\
+        [[contact]]\nname = 'left'\ngap = 'y - A*sin(w*t) + h'\nimpulse = { u = 1 }\nrestitution = 0.4142\n\
+        [section.strobe]\nsurface = 'sin(w*t)'\ndirection = 'rising'\n[initial]\ny = 0\nu = 0.5\n";
+    let expected = 1.996_154_245_232_24;
+    for (start, step) in [("1.25", 0.02), ("1.25", 0.1), ("2.03", 0.02)] {
+        let found = over(&with(text, &[("A", start)]), "A", (1.25, 2.03), (4, step));
+        let branch = &found[0];
+        assert_eq!(branch.ends, [End::Range, End::Range], "from {start}");
+        let touches = { branch.special.iter() }.filter(|told| told.kind == SpecialKind::Touch);
+        let [touch] = &touches.collect::<Vec<_>>()[..] else {
+            panic!("from {start}: {:?}", branch.special);
+        };
+        assert!((value(touch) - expected).abs() < 1e-14, "from {start}");
+        assert_eq!(touch.persists, Some(true), "from {start}");
+    }
+}

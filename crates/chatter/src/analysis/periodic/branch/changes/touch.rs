@@ -682,12 +682,13 @@ impl Walker {
         let there = self.special.last().map(|special| special.point.clone());
         touch.evaluate(&at).map_err(|left| told(&left))?;
         let period = touch.period();
-        // One stay alone, or where other places touch at once, as on an orbit with a symmetry, a stay at each of them.
+        // Where other places touch at once, as on an orbit with a symmetry, a stay at each of them: with one alone orbits without it may leave there.
+        // Or one stay alone.
         let (all_touch, at_all, all) = touch.clone().with_all_touches((at.clone(), index));
         let alone = (&touch, &at, vec![index]);
         let together = (all.len() > 1).then_some((&all_touch, &at_all, all));
         let mut failed: Option<NewtonError> = None;
-        let ways = [alone].into_iter().chain(together);
+        let ways = together.into_iter().chain([alone]);
         let ways = ways.flat_map(|way| [Stay::Beyond, Stay::On].map(|stay| (way.clone(), stay)));
         for (((touch, at, touches), stay), part) in
             ways.flat_map(|way| STAYS.map(|part| (way.clone(), part)))
