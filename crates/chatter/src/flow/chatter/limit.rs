@@ -224,7 +224,7 @@ pub(crate) struct Turn<'a, R> {
 pub(crate) struct Flight<R> {
     /// The rate that it ends with over the one that it begins with.
     pub ratio: R,
-    /// Per column the relative change of that.
+    /// Per column the relative change of its square.
     changes: Vec<R>,
     /// How much longer it takes than if all of its way were the rise.
     pub longer: R,

@@ -10,6 +10,13 @@ use std::ops::ControlFlow;
 
 type Dd = DoubleDouble;
 
+fn with_parameters(parameters: &[(&str, f64)]) -> ModelBuilder {
+    let parameters = parameters.iter();
+    parameters.fold(ModelBuilder::new(), |builder, &(name, value)| {
+        builder.parameter(name, value)
+    })
+}
+
 /// A ball that falls onto a surface, with restitution and further forces as given.
 fn ball(
     parameters: &[(&str, f64)],
@@ -18,11 +25,7 @@ fn ball(
     restitution: &str,
     start: (f64, f64),
 ) -> Model {
-    let mut builder = ModelBuilder::new();
-    for &(name, value) in parameters {
-        builder = builder.parameter(name, value);
-    }
-    builder
+    with_parameters(parameters)
         .state("y", "v", start.0)
         .state("v", force, start.1)
         .state("x", "5/16", 0.0)
@@ -33,11 +36,7 @@ fn ball(
 
 /// A drill of mass one that is pushed against a slider: their forces and the restitution.
 fn drill(parameters: &[(&str, f64)], [push, slip, restitution]: [&str; 3]) -> Model {
-    let mut builder = ModelBuilder::new();
-    for &(name, value) in parameters {
-        builder = builder.parameter(name, value);
-    }
-    builder
+    with_parameters(parameters)
         .state("x", "v", 0.0)
         .state("v", push, 0.0)
         .state("y", "u", 0.1)
@@ -79,6 +78,42 @@ fn accumulation<R: Real>(
             Err(error) => panic!("{error}"),
         }
     }
+}
+
+/// That columns of derivatives by every parameter, in doubles, are differences in double-double to this part, where a sequence ends.
+fn columns_agree(
+    model: &Model,
+    parameters: &[(&str, f64)],
+    part: f64,
+) -> Result<(), TestCaseError> {
+    const UNTIL: f64 = 8.0;
+    const STEP: f64 = 1e-9;
+    let columns: Vec<Column> = (0..parameters.len()).map(Column::Parameter).collect();
+    let (found, with) = accumulation::<f64>(model, &columns, &[], UNTIL);
+    if found.is_none() {
+        return Ok(());
+    }
+    let count = with.len() / (1 + columns.len());
+    for (p, &(name, value)) in parameters.iter().enumerate() {
+        let shifted = |sign: f64| {
+            let value = Dd::from(value) + Dd::from(sign * STEP);
+            accumulation::<Dd>(model, &[], &[(p, value)], UNTIL).1
+        };
+        let (plus, minus) = (shifted(1.0), shifted(-1.0));
+        for i in 0..count {
+            let difference = ((plus[i] - minus[i]) / Dd::from(2.0 * STEP)).to_f64();
+            let derivative = with[(p + 1) * count + i];
+            prop_assert!(
+                (derivative - difference).abs() <= part * difference.abs().max(1.0),
+                "d state {} / d {}: {:e}, not {:e}",
+                i,
+                name,
+                derivative,
+                difference
+            );
+        }
+    }
+    Ok(())
 }
 
 /// The end of a ball's sequence on a floor at rest with unit gravity, from rest at a height; the restitution is a function
@@ -259,29 +294,7 @@ proptest! {
         let acceleration = "-1 - d*v - k*y + a*cos(w*t) + c*x";
         let restitution = "r + s*sin(p*t) + c*y";
         let model = ball(&parameters, "y - c*x", acceleration, restitution, (height, 0.1));
-        const UNTIL: f64 = 8.0;
-        const STEP: f64 = 1e-9;
-        let columns: Vec<Column> = (0..parameters.len()).map(Column::Parameter).collect();
-        let (found, with) = accumulation::<f64>(&model, &columns, &[], UNTIL);
-        if found.is_none() {
-            return Ok(());
-        }
-        let count = with.len() / (1 + columns.len());
-        for (p, &(name, value)) in parameters.iter().enumerate() {
-            let shifted = |sign: f64| {
-                let value = Dd::from(value) + Dd::from(sign * STEP);
-                accumulation::<Dd>(&model, &[], &[(p, value)], UNTIL).1
-            };
-            let (plus, minus) = (shifted(1.0), shifted(-1.0));
-            for i in 0..count {
-                let difference = ((plus[i] - minus[i]) / Dd::from(2.0 * STEP)).to_f64();
-                let derivative = with[(p + 1) * count + i];
-                prop_assert!(
-                    (derivative - difference).abs() <= 1e-10 * difference.abs().max(1.0),
-                    "d state {} / d {}: {:e}, not {:e}", i, name, derivative, difference
-                );
-            }
-        }
+        columns_agree(&model, &parameters, 1e-10)?;
     }
 
     /// The same where each impact makes a slider slip, that friction holds again before it is struck next: rounding of a column grows with each slip.
@@ -296,29 +309,7 @@ proptest! {
             ("w", frequency), ("r", r), ("c", damping), ("s", drift),
         ];
         let model = drill(&parameters, ["p + a*cos(w*t) - c*v", "-(f*sign(u) + k*u)/m", "r + s*sin(t)"]);
-        const UNTIL: f64 = 8.0;
-        const STEP: f64 = 1e-9;
-        let columns: Vec<Column> = (0..parameters.len()).map(Column::Parameter).collect();
-        let (found, with) = accumulation::<f64>(&model, &columns, &[], UNTIL);
-        if found.is_none() {
-            return Ok(());
-        }
-        let count = with.len() / (1 + columns.len());
-        for (p, &(name, value)) in parameters.iter().enumerate() {
-            let shifted = |sign: f64| {
-                let value = Dd::from(value) + Dd::from(sign * STEP);
-                accumulation::<Dd>(&model, &[], &[(p, value)], UNTIL).1
-            };
-            let (plus, minus) = (shifted(1.0), shifted(-1.0));
-            for i in 0..count {
-                let difference = ((plus[i] - minus[i]) / Dd::from(2.0 * STEP)).to_f64();
-                let derivative = with[(p + 1) * count + i];
-                prop_assert!(
-                    (derivative - difference).abs() <= 1e-9 * difference.abs().max(1.0),
-                    "d state {} / d {}: {:e}, not {:e}", i, name, derivative, difference
-                );
-            }
-        }
+        columns_agree(&model, &parameters, 1e-9)?;
     }
 
     /// Two bodies that stay together: resistance accelerates neither towards the other, and what rounding leaves of the
